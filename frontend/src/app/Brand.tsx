@@ -1,5 +1,7 @@
 // The mark: a dashed safety circle and the path that clears it.
 import { Link } from '@tanstack/react-router'
+import { clsx } from 'clsx'
+import { layout } from '../ui/styles'
 import styles from './app.module.css'
 
 export function BrandMark() {
@@ -14,7 +16,7 @@ export function BrandMark() {
 
 export function Brand() {
   return (
-    <Link to="/runs" className={styles.brand} aria-label="Clearance">
+    <Link to="/runs" className={clsx(layout.row, 'b', styles.brand)} aria-label="Clearance">
       <BrandMark />
       <span>Clearance</span>
     </Link>

@@ -82,7 +82,7 @@ function Frame() {
       <a className={styles.skip} href="#main">
         Skip to content
       </a>
-      <header className={styles.top}>
+      <header className={clsx(layout.row, styles.top)}>
         <Brand />
         <nav className={clsx(layout.tabs, styles.nav)} aria-label="Main">
           {PAGES.map((name) => (
@@ -91,7 +91,7 @@ function Frame() {
             </Link>
           ))}
         </nav>
-        <div className={styles.topR}>
+        <div className={clsx(layout.row, layout.atend, styles.topR)}>
           <button type="button" className={clsx(fields.inp, styles.jump)} onClick={search} aria-keyshortcuts="Control+K">
             <IconSearch className="i s mut" aria-hidden />
             <span className={layout.cut}>Search or jump to …</span>
@@ -152,7 +152,7 @@ function Session() {
       kind="menu"
       position="bottom-end"
       width={220}
-      button={{ className: styles.ava, 'aria-label': `Session of ${data.user}, ${initials}`, children: initials }}
+      button={{ className: clsx('b sec', styles.ava), 'aria-label': `Session of ${data.user}, ${initials}`, children: initials }}
     >
       <Menu.Dropdown>
         <Menu.Label>

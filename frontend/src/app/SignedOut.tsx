@@ -1,6 +1,7 @@
 // Above the page of a browser whose session has ended: how to sign in. The page stays below with what was typed, and goes on
 // once its user has signed in again, in this tab or in another.
 import { useQueryClient } from '@tanstack/react-query'
+import { clsx } from 'clsx'
 import { useEffect, useLayoutEffect, useRef, useState } from 'react'
 import { answer } from '../api/calls'
 import { sessionQuery } from '../api/queries'
@@ -10,7 +11,7 @@ import { BrandMark } from './Brand'
 import { at } from '../format/root'
 import { unsaved } from '../page/unsaved'
 import { ButtonAnchor } from '../ui/Button'
-import { cards } from '../ui/styles'
+import { cards, layout } from '../ui/styles'
 import styles from './app.module.css'
 
 export function SignedOut() {
@@ -37,7 +38,7 @@ export function SignedOut() {
       onClose={(event) => event.currentTarget.showModal()} // Escape, pressed twice, closes it nevertheless
     >
       <div className={cards.card}>
-        <span className={styles.brand}>
+        <span className={clsx(layout.row, 'b', styles.brand)}>
           <BrandMark />
           <span>Clearance</span>
         </span>

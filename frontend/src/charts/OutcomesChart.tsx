@@ -1,7 +1,9 @@
 // Worst margins and bounds on P(violation) of runs, one above the other, with a shared crosshair.
+import { clsx } from 'clsx'
 import { Sign } from '../ui/Sign'
 import { VerdictBadge } from '../ui/VerdictBadge'
 import { type At, type Axis, boundName, boundsOf, commonOf, isBare, kindsOf, marginsOf, observedName, spoken } from './outcomes'
+import { layout } from '../ui/styles'
 import styles from './outcomes.module.css'
 import { Plot } from './Plot'
 
@@ -36,7 +38,7 @@ export function OutcomesChart({ points, axis, sync, name }: OutcomesChartProps) 
         }}
       />
       {bounds && <Plot spec={{ ...bounds, left: 58, yTitle: 'P(violation), %' }} />}
-      <div className={styles.legend}>
+      <div className={clsx(layout.row, 'sec', styles.legend)}>
         {kindsOf(points.filter((point) => !isBare(point))).map((kind) => kind !== 'purged' && <VerdictBadge key={kind} outcome={kind} />)}
         {bounds && (
           <>

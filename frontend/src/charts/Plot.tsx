@@ -1,4 +1,5 @@
 // A line chart: uPlot under React, with axis titles, crosshair and values; redrawn when theme, size or data change.
+import { clsx } from 'clsx'
 import { useEffect, useEffectEvent, useLayoutEffect, useRef, useState } from 'react'
 import uPlot from 'uplot'
 import 'uplot/dist/uPlot.min.css'
@@ -142,7 +143,7 @@ export function Plot({ spec, hidden = NOTHING, onCross, standing }: PlotProps) {
         {cursor && !cursor.pointed && !spec.readout && <Flag left={cursor.left} text={spec.xText(spec.x[cursor.at] as number)} />}
         {cursor?.pointed && !spec.readout && <Tip cursor={cursor} spec={spec} hidden={hidden} />}
       </div>
-      {spec.xTitle && <figcaption className={styles.xtitle}>{spec.xTitle}</figcaption>}
+      {spec.xTitle && <figcaption className={clsx('sec', styles.xtitle)}>{spec.xTitle}</figcaption>}
     </figure>
   )
 }
@@ -166,7 +167,7 @@ function cursorOf(u: uPlot, spec: PlotSpec): Cursor | null {
 /** The values at the crosshair in the colours of their lines, next to the title. */
 function Readout({ at, spec, hidden }: { at: number; spec: PlotSpec; hidden: ReadonlySet<string> }) {
   return (
-    <span className={figures.readout} data-readout>
+    <span className={clsx('m tn', figures.readout)} data-readout>
       {spec.lines.map((line) => {
         const value = line.y[at]
         return hidden.has(line.key) || typeof value !== 'number' ? null : (
@@ -183,7 +184,7 @@ function Readout({ at, spec, hidden }: { at: number; spec: PlotSpec; hidden: Rea
 /** The label of a fixed crosshair, below it. */
 function Flag({ left, text }: { left: number; text: string }) {
   return (
-    <span className={figures.flag} data-float="flag" style={{ left }} aria-hidden>
+    <span className={clsx('sec tn nw', figures.flag)} data-float="flag" style={{ left }} aria-hidden>
       {text}
     </span>
   )
@@ -194,7 +195,7 @@ function Tip({ cursor, spec, hidden }: { cursor: Cursor; spec: PlotSpec; hidden:
   if (lines.length === 0) return null
   const place = cursor.flip ? { right: `calc(100% - ${cursor.left - 12}px)` } : { left: cursor.left + 12 }
   return (
-    <div className={figures.tip} data-float="tip" style={{ ...place, top: Math.max(0, cursor.top - 30) }}>
+    <div className={clsx('tn nw', figures.tip)} data-float="tip" style={{ ...place, top: Math.max(0, cursor.top - 30) }}>
       <div className="b">{spec.xText(spec.x[cursor.at] as number)}</div>
       <dl>
         {lines.map((line) => (

@@ -56,7 +56,7 @@ export function HelpFrame({ title, lede, contents, children }: HelpFrameProps) {
       <div className={guide.docbody} data-text>
         <div>
           <h1>{title}</h1>
-          <p className={styles.lede}>{lede}</p>
+          <p className={clsx('sec', styles.lede)}>{lede}</p>
         </div>
         {children}
       </div>

@@ -1,6 +1,7 @@
 // Links from other pages to the help.
 import { IconHelp } from '@tabler/icons-react'
 import { Link } from '@tanstack/react-router'
+import { clsx } from 'clsx'
 import styles from './help.module.css'
 
 export const idOfComponent = (role: string, name: string): string => `${role}-${name}`
@@ -14,7 +15,7 @@ interface HelpLinkProps {
 
 export function HelpLink({ to, at, children }: HelpLinkProps) {
   return (
-    <Link to={to} hash={at} className={styles.helplink}>
+    <Link to={to} hash={at} className={clsx('small nw', styles.helplink)}>
       <IconHelp className="i s" aria-hidden />
       {children}
     </Link>

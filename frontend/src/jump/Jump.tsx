@@ -60,7 +60,7 @@ function Search({ onDone }: { onDone: () => void }) {
   }
   return (
     <Combobox store={store} onOptionSubmit={go}>
-      <label className={styles.jumpbox}>
+      <label className={clsx(layout.row, styles.jumpbox)}>
         <IconSearch className="i mut" aria-hidden />
         <Combobox.EventsTarget>
           <input
@@ -115,7 +115,7 @@ function runOption(run: RunSummary): ReactNode {
         <OutcomeIcon outcome={outcome} className="i s" />
       </span>
       <span className={layout.cut}>{run.name}</span>
-      <span className={clsx(styles.what, layout.cut)}>
+      <span className={clsx('sec', styles.what, layout.cut)}>
         {run.id} · {wordOf(run)} · {run.campaign_name}
       </span>
     </Combobox.Option>
@@ -127,7 +127,7 @@ function placeOption({ to, name, note }: Place): ReactNode {
     <Combobox.Option key={to} value={to}>
       <IconArrowRight className="i s mut" aria-hidden />
       <span className={layout.cut}>{name}</span>
-      <span className={clsx(styles.what, layout.cut)}>{note}</span>
+      <span className={clsx('sec', styles.what, layout.cut)}>{note}</span>
     </Combobox.Option>
   )
 }

@@ -145,7 +145,7 @@ export function Editor(props: EditorProps) {
           />
         </>
       )}
-      <div className={styles.tabs}>
+      <div className={clsx(layout.row, styles.tabs)}>
         <Seg
           label="How to edit"
           tall

@@ -24,7 +24,7 @@ export function Heading({ from, changed = [], baseline, draft }: HeadingProps) {
   const now = useNow(30_000, draft !== null)
   return (
     <div className={clsx(layout.ph, styles.begins)}>
-      <div className={layout.t}>
+      <div className={layout.grow}>
         <h1>{draft ? `Draft ${draft.id}` : 'New run'}</h1>
       </div>
       {draft && (

@@ -23,7 +23,7 @@ interface StartBarProps {
 
 export function StartBar({ checked, checking, failed, disabled, busy, why, onStart }: StartBarProps) {
   return (
-    <div className={styles.bar} role="region" aria-label="Start">
+    <div className={clsx(layout.row, styles.bar)} role="region" aria-label="Start">
       <div className={clsx(layout.grow, styles.effort)}>
         <p aria-busy={checking} data-testid="effort">
           {effortOf(checked, failed)}

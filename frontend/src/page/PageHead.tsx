@@ -11,7 +11,7 @@ interface PageHeadProps {
 export function PageHead({ title, note, children }: PageHeadProps) {
   return (
     <div className={layout.ph}>
-      <div className={layout.t}>
+      <div className={layout.grow}>
         <h1>{title}</h1>
         {note && <p className="sec">{note}</p>}
       </div>

@@ -20,7 +20,7 @@ export function Loading({ what, title, failed }: LoadingProps) {
   return (
     <>
       {title && <PageHead title={title} />}
-      <div className={styles.loading} role="status">
+      <div className={clsx('mut', styles.loading)} role="status">
         <div className={styles.attempts}>
           <span className={layout.row}>
             <IconLoader className={clsx(icons.spin, 'i')} aria-hidden /> Loading {what}

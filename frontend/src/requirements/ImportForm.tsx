@@ -28,7 +28,7 @@ export function ImportForm({ onDone }: { onDone: () => void }) {
         File
         <input
           type="file"
-          className={clsx(buttons.choosing, styles.file)}
+          className={clsx('sec', buttons.choosing, styles.file)}
           accept=".csv,.reqif,.xml"
           required
           onChange={({ target }) => {

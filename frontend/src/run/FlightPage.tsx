@@ -71,15 +71,15 @@ function Page({ run }: { run: RunDetail }) {
   return (
     <div className={styles.own}>
       <div className={layout.ph}>
-        <div className={layout.t}>
-          <nav className={styles.crumb} aria-label="Breadcrumb">
+        <div className={layout.grow}>
+          <nav className={clsx(layout.row, 'mut small', styles.crumb)} aria-label="Breadcrumb">
             <Link to="/runs" className="sec">Runs</Link>/
             <Link to="/runs/$id" params={{ id: run.id }} search={(before) => before} className="mono sec">
               {run.id}
             </Link>
             /<span>{flies ? 'Flight' : '3D view'}</span>
           </nav>
-          <div className={styles.titles}>
+          <div className={clsx(layout.row, styles.titles)}>
             <h1>{run.name}</h1>
             <RunBadge run={run} />
           </div>

@@ -108,7 +108,7 @@ function Working({ run, now }: { run: RunSummary; now: number }) {
   const best = run.worst_cost
   const since = useStill(run.id)
   return (
-    <span className={styles.standing}>
+    <span className={clsx(layout.row, 'nw', styles.standing)}>
       <span style={{ width: 120 }}>
         <Progress share={share} label={`Progress of ${run.id}`} />
       </span>

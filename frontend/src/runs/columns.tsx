@@ -215,7 +215,7 @@ function Margin({ run, context }: { run: RunSummary; context: CellContext }) {
   const violated = run.margin !== null && run.margin <= 0
   const unit = context.units && run.unit ? ` ${run.unit}` : ''
   return (
-    <span className={styles.marg}>
+    <span className={clsx(layout.row, styles.marg)}>
       <span className={violated ? 'b bad-t' : 'm'} title={unknownOf(run) || undefined}>
         {unknownOf(run) && (
           <>

@@ -2,7 +2,7 @@
 import { clsx } from 'clsx'
 import { type ReactNode, type Ref, useEffect, useRef, useState } from 'react'
 import { field } from '../format/numbers'
-import { badges, buttons, cards, tables } from './styles'
+import { badges, buttons, cards, layout, tables } from './styles'
 import styles from './ui.module.css'
 
 interface CardProps {
@@ -27,12 +27,12 @@ export function Card({ title, note, right, footer, flush, inner, className, id, 
       {title !== undefined && (
         <div className={cards.h}>
           <Heading>{title}</Heading>
-          <span className={cards.d}>{note}</span>
-          {right && <div className={cards.r}>{right}</div>}
+          <span className={clsx('mut small', cards.d)}>{note}</span>
+          {right && <div className={clsx(layout.row, layout.atend, cards.r)}>{right}</div>}
         </div>
       )}
       {flush ? <Flush>{children}</Flush> : <div className={cards.bd} data-body>{children}</div>}
-      {footer && <div className={styles.ft}>{footer}</div>}
+      {footer && <div className={clsx('mut small', styles.ft)}>{footer}</div>}
     </section>
   )
 }
@@ -69,14 +69,14 @@ interface StatProps {
 export function Stat({ name, value, unit, note, bad, testId, exact }: StatProps) {
   return (
     <div className={styles.stat}>
-      <div className={styles.k}>{name}</div>
-      <div className={bad ? clsx(styles.n, 'bad-t') : styles.n}>
+      <div className={clsx('mut nw', styles.k)}>{name}</div>
+      <div className={clsx('b nw tn', styles.n, bad && 'bad-t')}>
         <span data-testid={testId} title={exact == null ? undefined : field(exact)}>
           {value}
         </span>
         {unit && <small>{unit}</small>}
       </div>
-      <div className={styles.x}>{note}</div>
+      <div className={clsx('mut', styles.x)}>{note}</div>
     </div>
   )
 }

@@ -1,4 +1,5 @@
 // A method's marker and name.
+import { clsx } from 'clsx'
 import { isOpen, OUTLINE, useMethodLook } from './methods'
 import { figures } from './styles'
 import styles from './ui.module.css'
@@ -21,7 +22,7 @@ export function Mark({ method }: { method: string | null }) {
 export function MethodName({ method, title, short }: { method: string | null; title?: string; short?: boolean }) {
   const look = useMethodLook()(method)
   return (
-    <span className={styles.meth} title={short ? (title ?? look.title) : undefined}>
+    <span className={clsx('nw', styles.meth)} title={short ? (title ?? look.title) : undefined}>
       <Mark method={method} />
       {short ? look.short : (title ?? look.title)}
     </span>

@@ -76,7 +76,7 @@ export function SectionTabs({ sections }: { sections: Section[] }) {
       {ordered.map(({ id, name, count: number }) => (
         <a key={id} href={`#${id}`} aria-current={id === current ? 'true' : undefined} onClick={() => jumped(id)}>
           {name}
-          {number !== undefined && <span className={styles.n}>{count(number)}</span>}
+          {number !== undefined && <span className={clsx('mut', styles.n)}>{count(number)}</span>}
         </a>
       ))}
     </nav>

@@ -1,7 +1,8 @@
 // Renders a symbol as in print: italic letter, upright subscript, so that "K_p1" reads K with index p1.
+import { clsx } from 'clsx'
 import { Fragment } from 'react'
 import { apart } from '../format/names'
-import styles from './ui.module.css'
+import { layout } from './styles'
 
 const GREEK: Record<string, string> = {
   alpha: 'α',
@@ -68,7 +69,7 @@ export function Sign({ text, path }: { text: string; path?: string }) {
 /** A path with line-break opportunities after its dots. */
 function Path({ text }: { text: string }) {
   return (
-    <span className={styles.path} title={text}>
+    <span className={clsx('m', layout.wrapAny)} title={text}>
       {text.split('.').map((name, i) => (
         <Fragment key={i}>
           {i > 0 && (

@@ -55,7 +55,7 @@ interface BadgeProps extends HTMLAttributes<HTMLSpanElement> {
 }
 
 export const Badge = ({ tone, Icon, children, ...rest }: BadgeProps) => (
-  <span className={badges.vd} data-tone={tone} {...rest}>
+  <span className={clsx('b', badges.vd)} data-tone={tone} {...rest}>
     <Icon className="i" aria-hidden />
     {children}
   </span>
@@ -66,7 +66,7 @@ export const RunBadge = ({ run }: { run: Ended }) => <VerdictBadge outcome={outc
 export function VerdictBadge({ outcome, word = LOOK[outcome].word }: { outcome: Outcome; word?: string }) {
   const { tone } = LOOK[outcome]
   return (
-    <span className={badges.vd} data-tone={tone}>
+    <span className={clsx('b', badges.vd)} data-tone={tone}>
       <OutcomeIcon outcome={outcome} />
       {word}
     </span>

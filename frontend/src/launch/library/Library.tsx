@@ -165,7 +165,7 @@ function Card({ item, catalogue, chosen, tabbable, onChoose, onKey }: CardProps)
         <PlanView campaign={campaign} catalogue={catalogue} flight={nominal} clear={clear} />
       </span>
       <span className={styles.tx}>
-        <span className={styles.hd}>
+        <span className={clsx(layout.row, 'b', styles.hd)}>
           {campaign.name}
           <span className={styles.radio} aria-hidden />
         </span>

@@ -1,5 +1,6 @@
 // Methods and budgets that fit a length of time, from what an evaluation of the simulator took in an earlier run.
 import { keepPreviousData, useQuery } from '@tanstack/react-query'
+import { clsx } from 'clsx'
 import { useState } from 'react'
 import { proposeSearches } from '../../api/calls'
 import { thinned } from '../../format/numbers'
@@ -7,7 +8,7 @@ import { Button } from '../../ui/Button'
 import { Card } from '../../ui/Card'
 import type { FormProps } from '../fields/props'
 import { requestOf, minutesOf, searchesOf, stated } from './proposal'
-import { fields } from '../../ui/styles'
+import { fields, layout } from '../../ui/styles'
 import styles from './proposal.module.css'
 
 const TIME = 'proposal-time'
@@ -30,7 +31,7 @@ export function ProposalCard({ campaign, catalogue, set }: FormProps) {
       <p>{thinned(known(request !== null, data?.known, error))}</p>
       {data?.measured && (
         <>
-          <div className={styles.time}>
+          <div className={clsx(layout.row, styles.time)}>
             <label className={fields.lbl} htmlFor={TIME}>
               Time for all searches
             </label>

@@ -110,7 +110,7 @@ function Row({ data, decimals, choose, on, finding }: RowProps & { finding: Find
       <td className="num b">
         {fixed(granted, decimals)}
         {granted !== cost && (
-          <small className={styles.evaluated} title="What the search found. Another evaluation of this case is milder, and that one is stated.">
+          <small className={clsx('mut nw', styles.evaluated)} title="What the search found. Another evaluation of this case is milder, and that one is stated.">
             evaluated {fixed(cost, decimals)}
           </small>
         )}
@@ -162,7 +162,7 @@ function Name({ name, on, choose }: { name: string; on: boolean; choose: (name: 
   const nominal = name === NOMINAL
   return (
     <td>
-      <button type="button" className={styles.picker} aria-pressed={on} onClick={() => choose(name)}>
+      <button type="button" className={clsx('b', styles.picker)} aria-pressed={on} onClick={() => choose(name)}>
         <span className={styles.dot} style={{ background: nominal ? 'var(--c-nom)' : 'var(--c-worst)' }} />
         {nominal ? 'Nominal' : name}
       </button>

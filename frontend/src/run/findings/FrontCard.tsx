@@ -1,4 +1,5 @@
 // Several criteria: the Pareto front of the worst cases for two criteria, and its points as a table.
+import { clsx } from 'clsx'
 import { useMemo, useState } from 'react'
 import { resultsWith } from '../../api/stages'
 import { ChartCard } from '../../charts/ChartCard'
@@ -69,12 +70,12 @@ export function FrontCard({ data }: { data: RunData }) {
       }
     >
       {criteria.length > 2 && (
-        <div className={runStyles.tools} data-control>
-          <div className={runStyles.tool}>
+        <div className={clsx(layout.row, runStyles.tools)} data-control>
+          <div className={clsx(layout.row, runStyles.tool)}>
             <span className="small mut">Vertical</span>
             <Seg label="Vertical axis" options={choices} value={y.name} onChange={setUp} />
           </div>
-          <div className={runStyles.tool}>
+          <div className={clsx(layout.row, runStyles.tool)}>
             <span className="small mut">Horizontal</span>
             <Seg label="Horizontal axis" options={choices} value={x.name} onChange={setAcross} />
           </div>

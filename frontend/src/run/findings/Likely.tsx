@@ -55,7 +55,7 @@ export function LikelyViolation({ data, decimals, between, most }: RowProps & { 
   if (!found) return null
   return (
     <tr data-finding="most likely">
-      <td className={styles.likely} title={most.text}>Most likely violation</td>
+      <td className="b nw" title={most.text}>Most likely violation</td>
       {hasScenario(data.campaign) && <td />}
       <td className="num b">{fixed(found.cost, decimals)}</td>
       <td className="num b bad-t">{margin(found.margin, decimals)}</td>

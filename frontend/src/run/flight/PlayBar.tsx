@@ -42,7 +42,7 @@ export function PlayBar({ data, view, shown, whatIf }: BarProps) {
   const { playing = false, speed = 1, panel = false } = shown ?? {}
   const flies = hasScenario(data.campaign)
   return (
-    <div className={styles.playbar} role="group" aria-label={flies ? 'Time of the flight' : 'Time of the case'}>
+    <div className={clsx(layout.row, styles.playbar)} role="group" aria-label={flies ? 'Time of the flight' : 'Time of the case'}>
       <IconButton
         label={playing ? 'Pause' : 'Play'}
         title={`${playing ? 'Pause' : 'Play'} (space)`}
@@ -89,7 +89,7 @@ function Scrubber({ data, view, shown }: Props) {
   const at = position ?? time
   return (
     <>
-      <output className={clsx(styles.instant, 'num')}>{shown ? `${fixed(at, 2)} s` : '—'}</output>
+      <output className={clsx('b num', styles.instant)}>{shown ? `${fixed(at, 2)} s` : '—'}</output>
       <span className={fields.scrub}>
         <input
           type="range"

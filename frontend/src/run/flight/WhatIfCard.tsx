@@ -145,8 +145,8 @@ interface FigureProps {
 function Figure({ name, value, text, unit, bad, testId }: FigureProps) {
   return (
     <div className={styles.whatIfFigure}>
-      <span className={styles.k}>{name}</span>
-      <span className={bad ? clsx(styles.n, 'num bad-t') : clsx(styles.n, 'num')}>
+      <span className={clsx('sec', styles.k)}>{name}</span>
+      <span className={bad ? clsx(styles.n, 'b num bad-t') : clsx(styles.n, 'b num')}>
         <span data-testid={testId}>{text}</span>
         {value !== null && <small>{unit}</small>}
       </span>

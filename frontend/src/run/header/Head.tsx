@@ -2,6 +2,7 @@
 import { IconBell, IconBellFilled, IconPlayerStop, IconRefresh } from '@tabler/icons-react'
 import { useMutation, useQueryClient } from '@tanstack/react-query'
 import { Link } from '@tanstack/react-router'
+import { clsx } from 'clsx'
 import { useState } from 'react'
 import { asCampaign, hasScenario } from '../../api/campaign'
 import { cancelRun } from '../../api/calls'
@@ -32,11 +33,11 @@ export function Head({ run, stale }: { run: RunDetail; stale: boolean }) {
   if (isLive(run) && ran !== run.id) setRan(run.id)
   return (
     <div className={layout.ph}>
-      <div className={layout.t}>
-        <nav className={runStyles.crumb} aria-label="Breadcrumb">
+      <div className={layout.grow}>
+        <nav className={clsx(layout.row, 'mut small', runStyles.crumb)} aria-label="Breadcrumb">
           <Link to="/runs" className="sec">Runs</Link>/<span>{run.campaign_name}</span>/<span className="mono">{run.id}</span>
         </nav>
-        <div className={runStyles.titles}>
+        <div className={clsx(layout.row, runStyles.titles)}>
           <h1>{run.name}</h1>
           <span data-testid="outcome" aria-live="polite">
             <RunBadge run={run} />

@@ -182,14 +182,14 @@ function Row({ parameter, worst, alone }: { parameter: UncertainParameter; worst
         <td className="num b">
           <span className={clsx(tables.rn, styles.narrow)}>
             {value === null ? NONE : fixed(value, span)}
-            {at && <span className={styles.atbound}>at {at} bound</span>}
+            {at && <span className={clsx('bad-t', styles.atbound)}>at {at} bound</span>}
           </span>
         </td>
       )}
       <td style={{ width: 104 }}>
         <span className={clsx(tables.rn, styles.narrow)}>
           <WithinBounds low={low} high={high} nominal={nominal} value={value} width={88} />
-          <span className={styles.bounds}>
+          <span className={clsx('mut', styles.bounds)}>
             <span>{plain(low)}</span>
             <span>{plain(high)}</span>
           </span>

@@ -139,7 +139,7 @@ function Status({ change: { standing, fails } }: { change: FindingChange }) {
   return (
     <>
       <Badge tone={tone} Icon={Icon}>{word}</Badge>{' '}
-      {fails && <span className={clsx('small bad-t', styles.fails)}>fails</span>}
+      {fails && <span className={clsx('b small bad-t', styles.fails)}>fails</span>}
     </>
   )
 }

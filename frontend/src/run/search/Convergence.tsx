@@ -1,4 +1,5 @@
 // Convergence history: the best value of each method so far over evaluations or working time, live and afterwards.
+import { clsx } from 'clsx'
 import { useMemo, useState } from 'react'
 import { ChartCard } from '../../charts/ChartCard'
 import { type Key, Legend, useHidden } from '../../charts/Legend'
@@ -13,6 +14,7 @@ import { useMethodLook } from '../../ui/methods'
 import { Sign, symbolText } from '../../ui/Sign'
 import { convergenceOf, type RunData, searchesOf } from '../data/data'
 import { insteadOf } from '../data/missing'
+import { layout } from '../../ui/styles'
 import runStyles from '../run.module.css'
 
 interface ConvergenceProps {
@@ -108,7 +110,7 @@ export function Convergence({ data, className, height }: ConvergenceProps) {
       run={run.id}
       data={table}
     >
-      <div className={runStyles.tools} data-control>
+      <div className={clsx(layout.row, runStyles.tools)} data-control>
         {choice}
         {by === 'evaluations' && (
           <Seg label="Scale of evaluations" options={{ log: 'Log', linear: 'Linear' }} value={scale} onChange={setScale} />

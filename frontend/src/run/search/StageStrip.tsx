@@ -30,7 +30,7 @@ export function StageStrip({ run }: { run: RunDetail }) {
     <div className={styles.stages} role="list" aria-label="Stages">
       {stepsOf(run).map((step) => (
         <div key={step.name} className={styles.stg} data-state={step.state} role="listitem">
-          <div className={styles.nm}>
+          <div className={clsx(layout.row, 'b nw', styles.nm)}>
             <StepIcon state={step.state} cancelled={run.state === 'cancelled'} />
             {step.name}
             <span className="micro mut">
@@ -42,7 +42,7 @@ export function StageStrip({ run }: { run: RunDetail }) {
               )}
             </span>
           </div>
-          <div className={clsx(layout.cut, styles.dt)} title={step.whole ?? step.text}>
+          <div className={clsx('mut', layout.cut, styles.dt)} title={step.whole ?? step.text}>
             {step.text}
           </div>
           <Progress

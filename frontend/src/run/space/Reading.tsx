@@ -10,6 +10,7 @@ import { Sign } from '../../ui/Sign'
 import type { WhatIfState } from '../flight/useWhatIf'
 import { againOf } from './again'
 import { FATES, type Space } from './space'
+import { layout } from '../../ui/styles'
 import styles from './space.module.css'
 
 interface Props {
@@ -29,13 +30,13 @@ interface Props {
 }
 
 export function Reading({ space, at, lowest, simulated, failures, whatIf, onStep, onPick, flies }: Props) {
-  if (at === null) return <p className={clsx('small mut', styles.read)}>No evaluation is selected.</p>
+  if (at === null) return <p className={clsx('small mut tn', styles.read)}>No evaluation is selected.</p>
   const group = space.groups[space.of[at] as number]
   const fate = FATES[space.fates[at] as number]
   const values = space.axes.map((axis, k) => ({ axis, value: space.columns[k]?.[at] as number })).filter(({ value }) => !Number.isNaN(value))
   const reason = failures.find((one) => String(one.position) === group?.key && one.index === space.index[at])?.reason
   return (
-    <div className={clsx('small sec', styles.read)}>
+    <div className={clsx('small sec tn', styles.read)}>
       <p>
         <b className={lowest ? 'bad-t' : undefined}>{simulated ? 'Simulated' : lowest ? 'Lowest selected' : 'Pointed at'}</b>: {group?.title}, evaluation{' '}
         {count((space.index[at] as number) + 1)}
@@ -50,7 +51,7 @@ export function Reading({ space, at, lowest, simulated, failures, whatIf, onStep
           </Fragment>
         ))}
       </p>
-      <div className={styles.ranges}>
+      <div className={clsx(layout.row, styles.ranges)}>
         <Button small onClick={() => onStep(-1)}>Lower value</Button>
         <Button small onClick={() => onStep(1)}>Higher value</Button>
         {onPick && (

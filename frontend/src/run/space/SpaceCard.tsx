@@ -114,7 +114,7 @@ export function SpaceCard({ data, evaluations, whatIf, onPick: pick }: Props) {
             <Toggles space={space} hidden={hidden} onToggle={toggle} />
             <Ranges {...view} onClear={() => setBrush({})} />
           </div>
-          <div className={styles.by}>
+          <div className={clsx(layout.row, layout.atend, styles.by)}>
             {further.length > 0 && (
               <Seg
                 label="Colours by"
@@ -183,7 +183,7 @@ function Ranges({ space, kept, worst, brush, onBrush, onClear }: RangesProps) {
   const lowest = worst === null ? null : space.columns[0]?.[worst]
   const ranged = space.axes.filter((axis) => brush[axis.key])
   return (
-    <div className={styles.ranges}>
+    <div className={clsx(layout.row, styles.ranges)}>
       <span className="small" aria-live="polite" data-testid="kept">
         <b>{count(kept.length)}</b> of {count(space.count)} {space.count < space.total ? 'drawn evaluations' : 'evaluations'} selected
         {lowest === null ? (
@@ -238,7 +238,7 @@ function Pair({ axes, pair, onPair }: { axes: Axis[]; pair: readonly [number, nu
     </label>
   )
   return (
-    <div className={styles.pair}>
+    <div className={clsx(layout.row, styles.pair)}>
       {choice('Vertical', 1)}
       {choice('Horizontal', 0)}
     </div>

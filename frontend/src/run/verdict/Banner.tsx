@@ -1,5 +1,6 @@
 // The outcome of a run: verdict, sentence, scope and checks. A failed run has no verdict.
 import { IconCircleCheck, IconCircleX, IconHelpCircle } from '@tabler/icons-react'
+import { clsx } from 'clsx'
 import type { DescribedCheck, RunDetail } from '../../client'
 import { withoutValue } from '../../format/counts'
 import { count } from '../../format/numbers'
@@ -39,7 +40,7 @@ export function Banner({ data }: { data: RunData }) {
           </p>
         )}
         {run.verdict && summary && summary.holds_for.length > 0 && (
-          <details className={styles.scope}>
+          <details className={clsx('sec', styles.scope)}>
             <summary className={layout.cut}>
               Scope: <Spans spans={summary.holds_for} exact />
             </summary>
@@ -59,7 +60,7 @@ export function Banner({ data }: { data: RunData }) {
 function Checks(props: { checks: readonly DescribedCheck[]; succeeded: number }) {
   const { checks } = props
   return (
-    <details className={styles.fold} data-testid="checks">
+    <details className={clsx('sec', styles.fold)} data-testid="checks">
       <summary>
         <Tally {...props} />
       </summary>

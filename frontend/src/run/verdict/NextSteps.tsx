@@ -1,16 +1,18 @@
 // What may be tried next after an inconclusive verdict: each step opens the launch page with the campaign changed.
 import { IconRefresh } from '@tabler/icons-react'
+import { clsx } from 'clsx'
 import { keysOf, stepsOf } from '../../api/steps'
 import type { RunDetail } from '../../client'
 import { ButtonLink } from '../../ui/Button'
 import { Spans } from '../../ui/Spans'
+import { layout } from '../../ui/styles'
 import styles from './verdict.module.css'
 
 export function NextSteps({ run }: { run: RunDetail }) {
   const steps = stepsOf(run.summary?.checks ?? [])
   if (steps.length === 0) return null
   return (
-    <div className={styles.next} role="group" aria-label="Next steps">
+    <div className={clsx(layout.row, styles.next)} role="group" aria-label="Next steps">
       {steps.map((step) => (
         <ButtonLink key={step.key} small icon={IconRefresh} to="/launch" search={{ from: run.id, remedy: step.key }}>
           <span>

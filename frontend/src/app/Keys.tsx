@@ -1,6 +1,6 @@
 // The keyboard shortcuts of all pages, shown by `?`.
 import { Modal } from '../ui/Modal'
-import { buttons } from '../ui/styles'
+import { buttons, layout } from '../ui/styles'
 import styles from './app.module.css'
 
 const KEYS: { title: string; keys: [string[], string][] }[] = [
@@ -65,8 +65,8 @@ export function Keys({ opened, onClose }: { opened: boolean; onClose: () => void
             <h3>{title}</h3>
             <dl>
               {keys.map(([caps, text]) => (
-                <div key={text}>
-                  <dt>
+                <div key={text} className={layout.row}>
+                  <dt className={layout.row}>
                     {caps.map((cap) => (cap === '…' ? ' … ' : <kbd key={cap} className={buttons.kbd}>{cap}</kbd>))}
                   </dt>
                   <dd>{text}</dd>

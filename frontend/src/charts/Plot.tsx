@@ -134,7 +134,7 @@ export function Plot({ spec, hidden = NOTHING, onCross, standing }: PlotProps) {
   return (
     <figure>
       {spec.yTitle && (
-        <div className={figures.ytitle}>
+        <div className={clsx('sec', figures.ytitle)}>
           {spec.yTitle}
           {spec.readout && cursor && <Readout at={cursor.at} spec={spec} hidden={hidden} />}
         </div>

@@ -53,7 +53,7 @@ export function Definition({ runs, rows, all, onAll }: DefinitionProps) {
             {groups.map((group) => (
               <tbody key={group}>
                 <tr className={styles.group}>
-                  <th colSpan={runs.length + 1} scope="rowgroup">
+                  <th className="b sec" colSpan={runs.length + 1} scope="rowgroup">
                     {group}
                   </th>
                 </tr>

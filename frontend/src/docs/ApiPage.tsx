@@ -1,5 +1,6 @@
 // The API page, from the OpenAPI document: every operation with parameters, bodies and responses, and a form to try it.
 import { useQuery } from '@tanstack/react-query'
+import { clsx } from 'clsx'
 import { getOpenApi } from '../api/calls'
 import { Contents } from '../help/HelpFrame'
 import { PageHead } from '../page/PageHead'
@@ -83,7 +84,7 @@ const titled = (name: string): string => name.charAt(0).toUpperCase() + name.sli
 export function Snippet({ text }: { text: string }) {
   return (
     <div className={styles.snippet}>
-      <pre className="mono" tabIndex={0}>{text}</pre>
+      <pre className={clsx('mono small', layout.grow)} tabIndex={0}>{text}</pre>
       <CopyButton text={() => text}>Copy</CopyButton>
     </div>
   )

@@ -1,4 +1,5 @@
 // The fields of a body or a response; nested types expand where they are named.
+import { clsx } from 'clsx'
 import type { Schema } from '../api/schema'
 import { limitsOf, partsOf, typeOf } from './openapi'
 import { Ticked } from '../ui/Ticked'
@@ -51,7 +52,7 @@ function Fields({ name, schema, schemas, inside }: FieldsProps) {
           <span className="mono b">{name}</span> <span className="sec"><Ticked text={firstLine(schema.description)} /></span>
         </p>
       )}
-      <dl className={styles.fieldlist}>
+      <dl className={clsx('small', styles.fieldlist)}>
         {fields.map(([field, of]) => {
           const opens = partsOf(of).some((part) => schemas[part]?.properties && !inside.includes(part))
           return (

@@ -38,7 +38,7 @@ interface AboutProps {
 export const About = ({ summary, text, children }: AboutProps) => (
   <details>
     <summary>{summary}</summary>
-    <div className={lists.about}>
+    <div className={clsx('sec small', lists.about)}>
       <Docstring text={text} />
       {children}
     </div>

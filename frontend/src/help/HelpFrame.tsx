@@ -76,7 +76,7 @@ export const Contents = ({ of }: { of: readonly Chapter[] }) =>
 
 const Links = ({ title, children }: { title: string; children: ReactElement[] }) => (
   <section>
-    <h2>{title}</h2>
+    <h2 className="m mut small">{title}</h2>
     <ul>
       {children.map((link) => (
         <li key={link.key}>{link}</li>
@@ -101,7 +101,7 @@ export const Terms = ({ of }: { of: readonly { word: string; mono?: boolean; tex
     {of.map(({ word, mono, text }) => (
       <div key={word}>
         <dt className={mono ? 'mono b' : 'b'}>{word}</dt>
-        <dd>{text}</dd>
+        <dd className="sec">{text}</dd>
       </div>
     ))}
   </dl>

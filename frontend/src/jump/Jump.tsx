@@ -64,6 +64,7 @@ function Search({ onDone }: { onDone: () => void }) {
         <IconSearch className="i mut" aria-hidden />
         <Combobox.EventsTarget>
           <input
+            className={layout.grow}
             data-autofocus
             type="search"
             value={text}

@@ -39,7 +39,7 @@ export function YamlEditor({ ok, ...code }: YamlEditorProps) {
   }
   // An on-screen keyboard hides the text: on tablets it is read-only and can be replaced by a file.
   const touched = useMediaQuery('(pointer: coarse) and (max-width: 1180px)') ?? false
-  const plain = <pre className={styles.coming}>{text}</pre>
+  const plain = <pre className={clsx('sec', styles.coming)}>{text}</pre>
   return (
     <Card
       title="campaign.yaml"

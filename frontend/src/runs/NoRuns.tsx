@@ -37,15 +37,15 @@ export function NoRuns() {
       <ol className={styles.firststeps}>
         <li>
           <h3>Choose a case</h3>
-          <p>Case studies ship with Clearance. Your own vehicle, controller or avoider is one Python file.</p>
+          <p className="small sec">Case studies ship with Clearance. Your own vehicle, controller or avoider is one Python file.</p>
         </li>
         <li>
           <h3>Bound the parameters</h3>
-          <p>Give each uncertain parameter a nominal value, limits and a distribution.</p>
+          <p className="small sec">Give each uncertain parameter a nominal value, limits and a distribution.</p>
         </li>
         <li>
           <h3>Read the verdict</h3>
-          <p>Cleared, violated or inconclusive, with the worst case, its trajectory and the effort of the search.</p>
+          <p className="small sec">Cleared, violated or inconclusive, with the worst case, its trajectory and the effort of the search.</p>
         </li>
       </ol>
     </div>

@@ -62,7 +62,7 @@ export const TextButton = ({ className, ...rest }: ButtonHTMLAttributes<HTMLButt
 
 /** A filter that is on or off. */
 export const Chip = ({ on, act, children }: { on: boolean; act: () => void; children: ReactNode }) => (
-  <button type="button" className={buttons.chip} aria-pressed={on} onClick={act}>
+  <button type="button" className={clsx('m nw', buttons.chip)} aria-pressed={on} onClick={act}>
     {children}
   </button>
 )

@@ -24,7 +24,7 @@ export function Menu({ name, value, on, icon, above, children }: MenuProps) {
       width={280}
       withinPortal={!above}
       button={{
-        className: on ? clsx(buttons.chip, buttons.on) : buttons.chip,
+        className: clsx('m nw', buttons.chip, on && buttons.on),
         children: (
           <>
             {icon}

@@ -125,7 +125,7 @@ function About({ campaign }: { campaign: Campaign }) {
       {campaign.summary && <p>{campaign.summary}</p>}
       {campaign.notes && (
         <details>
-          <summary className="small">Source, what is reconstructed, limits</summary>
+          <summary className="sec small">Source, what is reconstructed, limits</summary>
           <p className="small mut">{campaign.notes}</p>
         </details>
       )}

@@ -25,7 +25,7 @@ export function ModePicture({ run, name, stored }: ModePictureProps) {
       {flight && (
         <>
           <PlanPicture flight={flight} nominal={nominal} name={name} size={[WIDTH, HEIGHT]} />
-          {above && <span className="small">{above}</span>}
+          {above && <span className="sec small">{above}</span>}
         </>
       )}
     </div>

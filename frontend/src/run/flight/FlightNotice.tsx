@@ -8,7 +8,7 @@ import runStyles from '../run.module.css'
 
 export function FlightNotice({ known: { phase, statement }, onRetry }: { known: Known; onRetry: () => void }) {
   return (
-    <div className={phase === 'open' ? clsx(runStyles.poster, runStyles.back) : runStyles.poster} role="status">
+    <div className={clsx('sec', runStyles.poster, phase === 'open' && runStyles.back)} role="status">
       {(phase === 'opening' || phase === 'lost') && (
         <span className={layout.row}>
           <IconLoader className={clsx(icons.spin, 'i')} aria-hidden /> {phase === 'lost' ? statement : 'Opening the 3D view'}
@@ -33,7 +33,7 @@ export function FlightNotice({ known: { phase, statement }, onRetry }: { known: 
 /** Shown in place of the view in a browser that cannot draw it. */
 export function NotDrawable({ what, alone }: { what: 'flight' | 'case'; alone: boolean }) {
   return (
-    <div className={runStyles.poster} role="status">
+    <div className={clsx('sec', runStyles.poster)} role="status">
       <span className={runStyles.failed}>
         <IconPlugConnectedX className="i" aria-hidden />
         <span>

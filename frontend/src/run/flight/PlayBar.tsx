@@ -90,7 +90,7 @@ function Scrubber({ data, view, shown }: Props) {
   return (
     <>
       <output className={clsx('b num', styles.instant)}>{shown ? `${fixed(at, 2)} s` : '—'}</output>
-      <span className={fields.scrub}>
+      <span className={clsx(layout.row, fields.scrub)}>
         <input
           type="range"
           aria-label="Time"

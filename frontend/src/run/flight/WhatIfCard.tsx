@@ -200,7 +200,7 @@ function Row({ parameter, value, base, worst, changed, onChange }: RowProps) {
       <span className={clsx(layout.cut, changed && 'b')} title={`${path}: ${text}`}>
         <Sign text={symbol} path={path} /> <span className="mut small">{unitText(unit)}</span>
       </span>
-      <span className={fields.scrub}>
+      <span className={clsx(layout.row, fields.scrub)}>
         <input
           type="range"
           aria-label={label}

@@ -2,6 +2,7 @@
 import { useDebouncedValue } from '@mantine/hooks'
 import { useQuery } from '@tanstack/react-query'
 import { IconAlertTriangle } from '@tabler/icons-react'
+import { clsx } from 'clsx'
 import { type CSSProperties, type ReactNode, useMemo, useState } from 'react'
 import { reweightedQuery } from '../../api/queries'
 import type { Reweighted } from '../../client'
@@ -16,7 +17,7 @@ import { Table } from '../../ui/Table'
 import { useNearOrPrint } from '../../ui/useNear'
 import type { RunData } from '../data/data'
 import { type Knob, keyOf, knobsOf, type Moved, requestOf } from './moved'
-import { fields } from '../../ui/styles'
+import { fields, layout } from '../../ui/styles'
 import styles from './sample.module.css'
 
 /** A request at most so often while a slider moves [ms]. */
@@ -142,7 +143,7 @@ function Slider({ knob, value, onChange }: { knob: Knob; value: number; onChange
       <span className={value === stated ? '' : 'b'} title={parameter.path}>
         <Sign text={parameter.symbol} path={parameter.path} />, {title}
       </span>
-      <span className={fields.scrub}>
+      <span className={clsx(layout.row, fields.scrub)}>
         <input
           type="range"
           aria-label={`${parameter.text || parameter.path}, ${title}`}

@@ -204,7 +204,7 @@ function Ranges({ space, kept, worst, brush, onBrush, onClear }: RangesProps) {
           <button
             key={axis.key}
             type="button"
-            className={clsx(buttons.chip, buttons.on)}
+            className={clsx('m nw', buttons.chip, buttons.on)}
             onClick={() => onBrush(axis, null)}
           >
             <span>

@@ -41,7 +41,7 @@ export function Banner({ data }: { data: RunData }) {
         )}
         {run.verdict && summary && summary.holds_for.length > 0 && (
           <details className={clsx('sec', styles.scope)}>
-            <summary className={layout.cut}>
+            <summary className={clsx('sec', layout.cut)}>
               Scope: <Spans spans={summary.holds_for} exact />
             </summary>
           </details>
@@ -61,7 +61,7 @@ function Checks(props: { checks: readonly DescribedCheck[]; succeeded: number })
   const { checks } = props
   return (
     <details className={clsx('sec', styles.fold)} data-testid="checks">
-      <summary>
+      <summary className="sec">
         <Tally {...props} />
       </summary>
       <ul className={styles.checks} aria-label="Checks">

@@ -89,7 +89,7 @@ function Notes({ text }: { text: string }) {
   return (
     <details>
       <summary>How this campaign was made</summary>
-      <p className={lists.about}>{text}</p>
+      <p className={clsx('sec small', lists.about)}>{text}</p>
     </details>
   )
 }

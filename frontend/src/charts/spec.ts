@@ -47,7 +47,6 @@ export interface PlotSpec {
   xLog?: boolean
   xRange?: [number, number]
   yRange?: [number, number]
-  /** Custom ticks of x. */
   xTicks?: readonly number[]
   /** Whether x is a time in seconds since 1970, with ticks at round times of the reader's zone. */
   xTime?: boolean

@@ -12,7 +12,6 @@ interface StartBarProps {
   checked: Checked | undefined
   /** Whether the estimate belongs to an earlier state of the campaign. */
   checking: boolean
-  /** Whether the check failed. */
   failed: boolean
   disabled: boolean
   busy: boolean

@@ -59,7 +59,6 @@ function made(title: string, options?: NotificationOptions): Notification | null
   }
 }
 
-/** Opens the page of a run. */
 type Open = (run: string) => void
 
 type Asked = 'granted' | 'denied' | 'insecure' | 'unavailable'

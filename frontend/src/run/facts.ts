@@ -26,11 +26,8 @@ export interface Facts {
   validation: ValidateResult | null
   /** The searches that found minima from their starts; null if none did. */
   minima: { position: number; search: MinimaResult }[] | null
-  /** Whether a search has a Pareto front. */
   front: boolean
-  /** Whether a search has evaluated. */
   searched: boolean
-  /** Number of methods. */
   methods: number
   sample: Sample | null
   /** Whether a certify stage drew the sample. */

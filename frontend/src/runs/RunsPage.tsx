@@ -85,19 +85,13 @@ export function RunsPage() {
 }
 
 function NothingFound({ narrowed, onChange }: { narrowed: boolean; onChange: (change: Partial<RunsSearch>) => void }) {
-  if (!narrowed)
-    return (
-      <div className={clsx(cards.card, layout.centre)}>
-        <h2>Every run is removed</h2>
-        <p>They can be restored until they are purged.</p>
-        <Button onClick={() => onChange({ removed: true })}>Show removed runs</Button>
-      </div>
-    )
   return (
     <div className={clsx(cards.card, layout.centre)}>
-      <h2>No run matches</h2>
-      <p>Remove a word from the search, or a filter.</p>
-      <Button onClick={() => onChange(CLEARED)}>Clear search and filters</Button>
+      <h2>{narrowed ? 'No run matches' : 'Every run is removed'}</h2>
+      <p>{narrowed ? 'Remove a word from the search, or a filter.' : 'They can be restored until they are purged.'}</p>
+      <Button onClick={() => onChange(narrowed ? CLEARED : { removed: true })}>
+        {narrowed ? 'Clear search and filters' : 'Show removed runs'}
+      </Button>
     </div>
   )
 }

@@ -27,7 +27,6 @@ export interface Draft extends Pick<FormProps, 'campaign' | 'set' | 'remove'> {
   trouble: Error | null
   /** Checks again after a check that failed. */
   recheck: (() => void) | null
-  /** Number of edits. */
   edits: number
   setText: (text: string, how?: 'typed' | 'replaced') => void
   undo: (() => void) | null

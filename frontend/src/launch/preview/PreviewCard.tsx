@@ -101,7 +101,6 @@ function Flight({ ok, live, criterion }: { ok: boolean; live: LivePreview; crite
   )
 }
 
-/** The numbers of a flight. */
 function FlightNumbers({ flown, stale, criterion }: { flown: Preview; stale: boolean; criterion: ComponentEntry | undefined }) {
   const { value, margin, threshold, closest, realisation } = flown
   const decimals = decimalsApart([value, threshold])

@@ -99,7 +99,6 @@ function renamed(tree: Parsed, pair: Entry, to: string): boolean {
   return true
 }
 
-/** Replaces an existing value. */
 function replaced(tree: Parsed, found: Found, value: Json): boolean {
   const { node, pair, owner, index } = found
   if (!owner) return false
@@ -192,7 +191,6 @@ function pairInto(tree: Parsed, map: YAMLMap, name: string, value: Json, before:
   return true
 }
 
-/** Removes a pair or an item. */
 function removed(tree: Parsed, { owner, index }: Found): boolean {
   if (!owner) return false
   const tokens = tokensOf(owner)

@@ -88,7 +88,6 @@ export function FrontCard({ data }: { data: RunData }) {
   )
 }
 
-/** Each method with its title. */
 const methodsOf = (points: readonly Placed[]) => [...new Map(points.map(({ method, title }) => [method, title]))]
 
 const headed = (c: FrontCriterion): string => `${c.title}${ofUnit(c.unit)}`

@@ -269,7 +269,6 @@ export function anyOf(...signals: AbortSignal[]): AbortSignal {
   return one.signal
 }
 
-/** The event of a refused opening. */
 function eventOf(answer: ViewState | Refusal): Event {
   if (!(answer instanceof Refusal)) return { kind: 'opened' }
   const { status, message: why } = answer

@@ -26,16 +26,13 @@ export function FiveFigures({ data }: { data: Pick<RunData, 'run' | 'campaign' |
     .sort((a, b) => (a.best ?? Infinity) - (b.best ?? Infinity))
   const target = numberOf(campaign.target_probability)
   const compute = run.stages.reduce((sum, stage) => sum + stage.seconds, 0)
+  const quantity = <Sign text={run.quantity || 'value'} />
   const [bound, percents] = atMost(statistics?.upper_bound).split('\u202f')
   return (
     <div className={cards.card} style={{ marginTop: 'var(--gap)' }}>
       <div className={runStyles.stats}>
         <Stat
-          name={
-            <>
-              Worst <Sign text={run.quantity || 'value'} />
-            </>
-          }
+          name={<>Worst {quantity}</>}
           value={fixed(run.worst_cost, decimals)}
           exact={run.worst_cost}
           unit={run.worst_cost === null ? undefined : run.unit}
@@ -61,11 +58,7 @@ export function FiveFigures({ data }: { data: Pick<RunData, 'run' | 'campaign' |
           }
         />
         <Stat
-          name={
-            <>
-              Nominal <Sign text={run.quantity || 'value'} />
-            </>
-          }
+          name={<>Nominal {quantity}</>}
           value={fixed(run.nominal_cost, decimals)}
           exact={run.nominal_cost}
           unit={run.nominal_cost === null ? undefined : run.unit}

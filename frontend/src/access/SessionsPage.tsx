@@ -11,7 +11,7 @@ import { moment, when } from '../format/time'
 import { Loaded } from '../page/Trouble'
 import { Button } from '../ui/Button'
 import { Card } from '../ui/Card'
-import { type Column, hiddenHead, Table } from '../ui/Table'
+import { buttonColumn, type Column, Table, timeColumn } from '../ui/Table'
 import { Field, Form, Refused } from '../ui/Form'
 import { Modal } from '../ui/Modal'
 import { AccessFrame } from './AccessFrame'
@@ -54,27 +54,22 @@ function BrowsersList({ sessions }: { sessions: readonly BrowserSession[] }) {
     { head: 'User', tone: clsx('m', styles.who), cell: ({ user }) => user },
     { head: 'Browser', tone: 'nw', label: 'Browser', tip: ({ agent }) => agent, cell: ({ agent }) => browserOf(agent) },
     { head: 'Address', tone: 'sec', label: 'Address', cell: ({ address }) => address || 'not recorded' },
-    {
-      head: 'Signed in',
-      tone: 'sec nw',
-      label: 'Signed in',
-      tip: ({ created }) => moment(created),
-      cell: ({ created, via }) => `${when(created)}, by ${{ link: 'login link', password: 'password', provider: 'single sign-on' }[via]}`,
-    },
+    timeColumn(
+      'Signed in',
+      ({ created }) => created,
+      ({ created, via }) => `${when(created)}, by ${{ link: 'login link', password: 'password', provider: 'single sign-on' }[via]}`,
+    ),
     { head: 'Last used', tone: 'sec nw', label: 'Last used', cell: ({ last_used: last }) => (last === null ? 'not since the service started' : when(last)) },
     { head: 'Ends', tone: 'sec nw', label: 'Ends', cell: ({ expires }) => moment(expires) },
-    {
-      head: hiddenHead('Sign out'),
-      tone: 'num',
-      cell: ({ id, current, user, agent }) =>
-        current ? (
-          <span className="mut">this browser</span>
-        ) : (
-          <Button small disabled={revoke.isPending} aria-label={`Sign out ${user}, ${browserOf(agent)}`} onClick={() => revoke.mutate(id)}>
-            Sign out
-          </Button>
-        ),
-    },
+    buttonColumn('Sign out', ({ id, current, user, agent }) =>
+      current ? (
+        <span className="mut">this browser</span>
+      ) : (
+        <Button small disabled={revoke.isPending} aria-label={`Sign out ${user}, ${browserOf(agent)}`} onClick={() => revoke.mutate(id)}>
+          Sign out
+        </Button>
+      ),
+    ),
   ]
   return (
     <>

@@ -11,7 +11,7 @@ import { moment, when } from '../format/time'
 import { Loaded } from '../page/Trouble'
 import { Button } from '../ui/Button'
 import { Card } from '../ui/Card'
-import { type Column, hiddenHead, Table } from '../ui/Table'
+import { buttonColumn, type Column, Table, timeColumn } from '../ui/Table'
 import { Form } from '../ui/Form'
 import { Modal } from '../ui/Modal'
 import { AccessFrame } from './AccessFrame'
@@ -76,22 +76,13 @@ function TokensList({ tokens, onRevoke }: { tokens: readonly Token[]; onRevoke: 
     { head: 'Owner', tone: styles.who, label: 'Owner', cell: ({ owner }) => owner },
     { head: 'Scope', label: 'Scope', cell: ({ scope }) => scope },
     { head: 'State', tone: 'nw', label: 'State', cell: (token) => <State token={token} /> },
-    { head: 'Created', tone: 'sec nw', label: 'Created', tip: ({ created }) => moment(created), cell: ({ created }) => when(created) },
-    {
-      head: 'Last use',
-      tone: 'sec nw',
-      label: 'Last use',
-      tip: ({ last_used: last }) => (last === null ? undefined : moment(last)),
-      cell: ({ last_used: last }) => (last === null ? 'never' : when(last)),
-    },
-    {
-      head: hiddenHead('Revoke'),
-      tone: 'num',
-      cell: (token) =>
-        token.state === 'active' && (
-          <Button small aria-label={`Revoke ${token.name}`} onClick={() => onRevoke(token)}>Revoke …</Button>
-        ),
-    },
+    timeColumn('Created', ({ created }) => created, ({ created }) => when(created)),
+    timeColumn('Last use', ({ last_used: last }) => last, ({ last_used: last }) => (last === null ? 'never' : when(last))),
+    buttonColumn('Revoke', (token) =>
+      token.state === 'active' && (
+        <Button small aria-label={`Revoke ${token.name}`} onClick={() => onRevoke(token)}>Revoke …</Button>
+      ),
+    ),
   ]
   return <Table stack rows={tokens} by={({ name }) => name} columns={columns} />
 }

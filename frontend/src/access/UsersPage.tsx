@@ -12,7 +12,7 @@ import { moment, when } from '../format/time'
 import { Failed, Loaded } from '../page/Trouble'
 import { Button } from '../ui/Button'
 import { Card } from '../ui/Card'
-import { type Column, hiddenHead, Table } from '../ui/Table'
+import { buttonColumn, type Column, Table, timeColumn } from '../ui/Table'
 import { Form, Refused } from '../ui/Form'
 import { Pick } from '../ui/Menu'
 import { Modal } from '../ui/Modal'
@@ -62,22 +62,17 @@ function UsersList({ users, onChange }: { users: readonly User[]; onChange: (use
     { head: 'Role', label: 'Role', cell: ({ role }) => role },
     { head: 'Access', label: 'Access', cell: (user) => <Access user={user} /> },
     { head: 'Browsers', num: true, label: 'Browsers', cell: ({ sessions }) => count(sessions) },
-    {
-      head: 'Invited',
-      tone: 'sec nw',
-      label: 'Invited',
-      tip: ({ created }) => moment(created),
-      cell: ({ fixed, created, created_by }) => (fixed ? 'by the login link' : `${when(created)}, by ${created_by}`),
-    },
-    {
-      head: hiddenHead('Change'),
-      tone: 'num',
-      cell: (user) =>
-        !user.fixed &&
-        user.name !== self && (
-          <Button small aria-label={`Change ${user.name}`} onClick={() => onChange(user)}>Change …</Button>
-        ),
-    },
+    timeColumn(
+      'Invited',
+      ({ created }) => created,
+      ({ fixed, created, created_by }) => (fixed ? 'by the login link' : `${when(created)}, by ${created_by}`),
+    ),
+    buttonColumn('Change', (user) =>
+      !user.fixed &&
+      user.name !== self && (
+        <Button small aria-label={`Change ${user.name}`} onClick={() => onChange(user)}>Change …</Button>
+      ),
+    ),
   ]
   return <Table stack rows={users} by={({ name }) => name} columns={columns} />
 }

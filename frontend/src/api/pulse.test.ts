@@ -44,6 +44,14 @@ const made = (state: Service['state']): [Service, Pulse] => {
   return [service, new Pulse(service.ask)]
 }
 
+/** So many seconds, with a tick at the start of each. */
+async function seconds(number: number, pulse: Pulse): Promise<void> {
+  for (let i = 0; i < number; i++) {
+    pulse.tick()
+    await vi.advanceTimersByTimeAsync(1000)
+  }
+}
+
 it('reports a request without an answer after 3 s, and takes it back', async () => {
   const [service, pulse] = made('hangs')
   const request = pulse.follow(new Promise(() => undefined))
@@ -69,15 +77,9 @@ it('says nothing of a request that takes long while the service answers others',
 
 it('asks on a quiet page, and goes on asking until there is an answer', async () => {
   const [service, pulse] = made('hangs')
-  for (let i = 0; i < 8; i++) {
-    pulse.tick()
-    await vi.advanceTimersByTimeAsync(1000)
-  }
+  await seconds(8, pulse)
   expect(pulse.contact.get().state).toBe('silent')
-  for (let i = 0; i < 30; i++) {
-    pulse.tick()
-    await vi.advanceTimersByTimeAsync(1000)
-  }
+  await seconds(30, pulse)
   expect(service.requests).toBeGreaterThan(2)
   service.wakes()
   await vi.advanceTimersByTimeAsync(0)
@@ -86,17 +88,11 @@ it('asks on a quiet page, and goes on asking until there is an answer', async ()
 
 it('distinguishes a service that is not there, with a pause between the questions', async () => {
   const [service, pulse] = made('refuses')
-  for (let i = 0; i < 12; i++) {
-    pulse.tick()
-    await vi.advanceTimersByTimeAsync(1000)
-  }
+  await seconds(12, pulse)
   expect(pulse.contact.get().state).toBe('unreachable')
   expect(service.requests).toBeLessThan(7)
   service.state = 'answers'
-  for (let i = 0; i < 3; i++) {
-    pulse.tick()
-    await vi.advanceTimersByTimeAsync(1000)
-  }
+  await seconds(3, pulse)
   expect(pulse.contact.get().state).toBe('well')
 })
 
@@ -137,10 +133,7 @@ it('takes the answer of a proxy for silence, and asks again after a pause until 
   }
   expect(service.requests).toBeLessThan(6)
   service.state = 'answers'
-  for (let i = 0; i < 2; i++) {
-    pulse.tick()
-    await vi.advanceTimersByTimeAsync(1000)
-  }
+  await seconds(2, pulse)
   expect(pulse.contact.get().state).toBe('well')
 })
 

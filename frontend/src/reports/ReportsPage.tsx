@@ -8,7 +8,7 @@ import { getFile, listReports } from '../api/calls'
 import { paged } from '../api/queries'
 import type { Report, ReportFile } from '../client'
 import { count } from '../format/numbers'
-import { moment, when } from '../format/time'
+import { when } from '../format/time'
 import { PageHead } from '../page/PageHead'
 import { Loaded } from '../page/Trouble'
 import { useTitle } from '../page/useTitle'
@@ -18,7 +18,7 @@ import { Button, ButtonAnchor, TextButton } from '../ui/Button'
 import { ShowMore } from '../ui/ShowMore'
 import { Card } from '../ui/Card'
 import { Digest } from '../ui/Digests'
-import { Table } from '../ui/Table'
+import { Table, timeColumn } from '../ui/Table'
 import { save } from '../ui/files'
 import { SearchBox } from '../ui/SearchBox'
 import { RunBadge } from '../ui/VerdictBadge'
@@ -96,13 +96,7 @@ function Reports({ items }: { items: readonly Report[] }) {
         { head: 'Run', cell: ({ run, name, campaign_name }) => <RunCell run={run} name={name} campaign={campaign_name} /> },
         { head: 'Report', label: 'Report', className: layout.hideN, tone: 'sec nw', cell: ({ id }) => id },
         { head: 'Sign-off', label: 'Sign-off', className: styles.signed, cell: ({ signoffs }) => (signoffs.length > 0 ? <SignedBy items={signoffs} /> : <span className="mut">none</span>) },
-        {
-          head: 'Finished',
-          label: 'Finished',
-          tone: 'sec nw',
-          tip: ({ finished }) => (finished === null ? undefined : moment(finished)),
-          cell: ({ finished }) => (finished === null ? 'not recorded' : when(finished)),
-        },
+        timeColumn<Report>('Finished', ({ finished }) => finished, ({ finished }) => (finished === null ? 'not recorded' : when(finished))),
         { head: 'Results, sha256', label: 'Results', className: layout.hideS, cell: ({ digest }) => <Digest of={digest} /> },
         {
           head: 'Files',

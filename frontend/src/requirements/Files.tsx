@@ -7,14 +7,14 @@ import { useChange } from '../api/change'
 import { contentOf, deleteImport, importsQuery } from '../api/requirements'
 import type { RequirementFileOut } from '../client'
 import { count } from '../format/numbers'
-import { moment, when } from '../format/time'
+import { when } from '../format/time'
 import { Failed } from '../page/Trouble'
 import { Button, ButtonAnchor } from '../ui/Button'
 import { Form } from '../ui/Form'
 import { Card } from '../ui/Card'
 import { Digest } from '../ui/Digests'
 import { Modal } from '../ui/Modal'
-import { hiddenHead, Table } from '../ui/Table'
+import { buttonColumn, Table, timeColumn } from '../ui/Table'
 import { layout } from '../ui/styles'
 import styles from './requirements.module.css'
 
@@ -41,28 +41,22 @@ export function Files({ mayChange }: { mayChange: boolean }) {
           columns={[
             { head: 'File', tone: styles.named, cell: ({ name }) => name },
             { head: 'Requirements', num: true, label: 'Requirements', cell: ({ requirements }) => count(requirements) },
-            {
-              head: 'Imported',
-              label: 'Imported',
-              tone: 'sec nw',
-              tip: ({ imported }) => moment(imported),
-              cell: ({ imported, imported_by }) => `${when(imported)}, by ${imported_by}`,
-            },
+            timeColumn<RequirementFileOut>(
+              'Imported',
+              ({ imported }) => imported,
+              ({ imported, imported_by }) => `${when(imported)}, by ${imported_by}`,
+            ),
             { head: 'sha256', label: 'sha256', className: layout.hideS, cell: ({ digest }) => <Digest of={digest} /> },
-            {
-              head: hiddenHead('Actions'),
-              tone: 'num',
-              cell: (file) => (
-                <span className={clsx(styles.fileActs, 'nw')}>
-                  <ButtonAnchor small icon={IconDownload} href={contentOf(file)} download aria-label={`Download ${file.name}`} />
-                  {mayChange && (
-                    <Button small danger aria-label={`Delete ${file.name} …`} onClick={() => setLeaving(file)}>
-                      Delete …
-                    </Button>
-                  )}
-                </span>
-              ),
-            },
+            buttonColumn<RequirementFileOut>('Actions', (file) => (
+              <span className={clsx(styles.fileActs, 'nw')}>
+                <ButtonAnchor small icon={IconDownload} href={contentOf(file)} download aria-label={`Download ${file.name}`} />
+                {mayChange && (
+                  <Button small danger aria-label={`Delete ${file.name} …`} onClick={() => setLeaving(file)}>
+                    Delete …
+                  </Button>
+                )}
+              </span>
+            )),
           ]}
         />
       </Card>

@@ -17,7 +17,7 @@ import { Card } from '../ui/Card'
 import { Digest } from '../ui/Digests'
 import { Modal } from '../ui/Modal'
 import { RunLink } from '../ui/RunLink'
-import { hiddenHead, Table } from '../ui/Table'
+import { buttonColumn, Table } from '../ui/Table'
 import { headlineOf } from '../ui/VerdictBadge'
 import { cards, layout, tables } from '../ui/styles'
 import { detailOf, STANDINGS } from './SignedBy'
@@ -121,11 +121,10 @@ function Rows({ run, items, onWithdraw }: RowsProps) {
           ),
         },
         { head: 'Comment', label: 'Comment', tone: clsx('sec', styles.comment), cell: ({ comment }) => comment },
-        {
-          head: hiddenHead('Withdraw'),
-          tone: 'num',
-          cell: (item) => item.withdrawn === null && item.run === run && <Withdraw item={item} onAsk={() => onWithdraw(item)} />,
-        },
+        buttonColumn<Signoff>(
+          'Withdraw',
+          (item) => item.withdrawn === null && item.run === run && <Withdraw item={item} onAsk={() => onWithdraw(item)} />,
+        ),
       ]}
     />
   )

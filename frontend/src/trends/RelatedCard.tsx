@@ -7,7 +7,7 @@ import { count } from '../format/numbers'
 import { Failed } from '../page/Trouble'
 import { ButtonLink } from '../ui/Button'
 import { Card } from '../ui/Card'
-import { hiddenHead, Table } from '../ui/Table'
+import { buttonColumn, Table } from '../ui/Table'
 import { useNearOrPrint } from '../ui/useNear'
 import { CodeCell, DateCell, outcomeColumns } from './cells'
 import { differenceOf } from './code'
@@ -65,14 +65,15 @@ function Others({ own, rows }: { own: string; rows: readonly RelatedRun[] }) {
         ...outcomeColumns<RelatedRun>({ head: 'Differs in', tone: 'sec', cell: differenceOf }),
         { head: 'Code', cell: ({ code, unidentified }) => <CodeCell code={code} unidentified={unidentified} /> },
         { head: 'Finished', cell: (other) => <DateCell outcome={other} /> },
-        {
-          head: hiddenHead('Compare'),
-          cell: ({ id }) => (
+        buttonColumn<RelatedRun>(
+          'Compare',
+          ({ id }) => (
             <ButtonLink small icon={IconArrowsDiff} to="/compare" search={{ runs: `${own},${id}` }} aria-label={`Compare ${own} with ${id}`}>
               Compare
             </ButtonLink>
           ),
-        },
+          '',
+        ),
       ]}
     />
   )

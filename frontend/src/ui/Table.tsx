@@ -1,6 +1,7 @@
 // A table from its columns: the header and the cells of a column are declared together. A column that is false is omitted.
 import { clsx } from 'clsx'
 import type { HTMLAttributes, ReactNode } from 'react'
+import { moment } from '../format/time'
 import { NumHead } from './Card'
 import { tables } from './styles'
 
@@ -89,5 +90,18 @@ function Cell<T>({ column, row, i }: { column: Column<T>; row: T; i: number }) {
   )
 }
 
-/** The header of a column of buttons, for screen readers alone. */
-export const hiddenHead = (words: string): ReactNode => <span className="sr">{words}</span>
+/** A column of buttons; its header is for screen readers alone. */
+export const buttonColumn = <T,>(words: string, cell: (row: T) => ReactNode, tone = 'num'): Column<T> => ({
+  head: <span className="sr">{words}</span>,
+  tone,
+  cell,
+})
+
+/** A column of times, each of which is stated in full under the pointer. */
+export const timeColumn = <T,>(head: string, timeOf: (row: T) => number | null, cell: (row: T) => ReactNode): Column<T> => {
+  const tip = (row: T) => {
+    const time = timeOf(row)
+    return time === null ? undefined : moment(time)
+  }
+  return { head, label: head, tone: 'sec nw', tip, cell }
+}

@@ -12,7 +12,7 @@ import { count } from '../../format/numbers'
 import { moment, when } from '../../format/time'
 import { TextButton } from '../../ui/Button'
 import { Card, Tags } from '../../ui/Card'
-import { type Column, hiddenHead, Table } from '../../ui/Table'
+import { buttonColumn, type Column, Table } from '../../ui/Table'
 import { Form } from '../../ui/Form'
 import { IconButton } from '../../ui/IconButton'
 import { Modal } from '../../ui/Modal'
@@ -47,7 +47,7 @@ export function Drafts() {
     },
     { head: 'Saved', tone: 'nw', label: 'Saved', tip: ({ saved }) => moment(saved), cell: ({ saved }) => when(saved, now) },
     { head: 'Run', label: ({ run }) => (run ? 'Run' : undefined), cell: ({ run }) => run && <RunLink run={run} className="mono" /> },
-    { head: hiddenHead('Delete'), tone: layout.acts, cell: (draft) => <Delete draft={draft} onAsk={() => setLeaving(draft)} /> },
+    buttonColumn('Delete', (draft) => <Delete draft={draft} onAsk={() => setLeaving(draft)} />, layout.acts),
   ]
   const shown = all ? data : data.slice(0, FEW)
   return (

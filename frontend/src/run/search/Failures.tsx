@@ -6,7 +6,7 @@ import { count, decimalsFor, fixed } from '../../format/numbers'
 import { Button } from '../../ui/Button'
 import { Card } from '../../ui/Card'
 import { CopyButton } from '../../ui/files'
-import { hiddenHead, Table } from '../../ui/Table'
+import { buttonColumn, Table } from '../../ui/Table'
 import type { RunData } from '../data/data'
 import { parameterColumns } from '../parameters/columns'
 import { countsOf, MEANING, startsYaml } from './failed'
@@ -59,11 +59,9 @@ export function Failures({ data }: { data: RunData }) {
           { head: 'Status', tone: 'nw', cell: ({ status }) => MEANING[status].word },
           { head: 'Reason', tone: clsx('sec', styles.reason), cell: ({ reason }) => reason },
           ...parameterColumns<EvaluationFailure>(data.parameters, ({ parameters }, p) => fixed(parameters[p.path], decimalsFor([p.low, p.high], 5)), 'text'),
-          {
-            head: hiddenHead('Copy'),
-            tone: 'num',
-            cell: ({ parameters }) => <CopyButton text={() => startsYaml(parameters)}>Copy as YAML</CopyButton>,
-          },
+          buttonColumn<EvaluationFailure>('Copy', ({ parameters }) => (
+            <CopyButton text={() => startsYaml(parameters)}>Copy as YAML</CopyButton>
+          )),
         ]}
       />
     </Card>

@@ -33,7 +33,7 @@ export function Methods({ runs, className }: { runs: Compared[]; className: stri
     <Card
       title={
         <>
-          Best <Sign text={runs[0]?.run.quantity ?? 'value'} /> by method
+          Best <Sign text={runs[0]?.run.quantity || 'value'} /> by method
         </>
       }
       note={`${unit}${shown.length === 0 && limits.length > 0 ? '; the criterion is off this axis' : ''}`}

@@ -187,7 +187,7 @@ export function ConvergenceOverlay({ runs, className }: CardProps) {
       }),
       yTitle: (
         <>
-          Best <Sign text={runs[0]?.run.quantity ?? 'value'} /> so far{ofUnit(unit)}
+          Best <Sign text={runs[0]?.run.quantity || 'value'} /> so far{ofUnit(unit)}
         </>
       ),
       xTitle: 'Evaluations of each method (log scale)',

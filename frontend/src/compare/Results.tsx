@@ -77,7 +77,7 @@ function apartText({ values: [a, b], outOf, decimals, apart }: Line): string {
 
 function linesOf(runs: Compared[]): Line[] {
   const unit = unitOf(runs) ?? ''
-  const quantity = unitOf(runs) === null ? 'value' : (runs[0]?.run.quantity ?? 'value')
+  const quantity = unitOf(runs) === null ? 'value' : (runs[0]?.run.quantity || 'value')
   const decimals = Math.max(...runs.map(({ run }) => decimalsBeside([run.worst_cost, run.nominal_cost], run.threshold)))
   const samples = runs.map(({ stages }) => independentSample(stages))
   const statistics = runs.map(({ run }) => run.summary?.statistics ?? null)

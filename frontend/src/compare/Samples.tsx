@@ -84,7 +84,7 @@ function Densities({ drawn }: { drawn: Drawn[] }) {
           top={TOP}
           from={LEFT}
           to={width - RIGHT}
-          title={<><SvgSign text={first?.of.run.quantity ?? 'value'} />, {first?.of.run.unit}</>}
+          title={<><SvgSign text={first?.of.run.quantity || 'value'} />, {first?.of.run.unit}</>}
         />
         {drawn.map(({ of, edges, density }, i) => (
           <path

@@ -55,6 +55,12 @@ it('names a random search as the source of a bound', () => {
   expect(row('bound', [one, other]).slice(1)).toEqual(['2 %', '1 %', 'random search', '−1 %'])
 })
 
+it('calls what has no symbol the value', () => {
+  const one = compared('A', 0, 0)
+  one.run.quantity = ''
+  expect(row('worst', [one])).toEqual(['Worst', 'value', 'm', '0.4000'])
+})
+
 it('several runs together are no better than the gravest of them', () => {
   expect(gravest(['cleared', 'failed', 'inconclusive'])).toBe('failed')
   expect(gravest(['cleared', 'inconclusive'])).toBe('inconclusive')

@@ -16,7 +16,7 @@ export interface Step {
 /** The value of a parameter; null if there is none of that name. */
 export type Values = (name: string) => number | null
 
-/** Cosine and sine of an angle [rad]. */
+/** An angle [rad] in degrees. */
 export const degrees = (angle: number): number => (angle * 180) / Math.PI
 
 const POINTS = 64

@@ -132,8 +132,8 @@ function specOf(
     yRange: near ? padded([...ys, threshold], 0.06) : range,
     criterion: near ? { value: threshold, label: `Criterion, ${exact(threshold)} ${y.unit}`, tint: true, right: true } : undefined,
     height: 300,
-    xText: (v) => `${symbolText(x.quantity)} = ${fixed(v, dx)} ${unitText(x.unit)}`,
-    yText: (v) => `${symbolText(y.quantity)} = ${fixed(v, dy)} ${unitText(y.unit)}`,
+    xText: (v) => `${symbolText(x.quantity || x.title)} = ${fixed(v, dx)} ${unitText(x.unit)}`,
+    yText: (v) => `${symbolText(y.quantity || y.title)} = ${fixed(v, dy)} ${unitText(y.unit)}`,
   }
 }
 

@@ -104,7 +104,7 @@ function tableOf({ run }: RunData, result: SlicesResult, slices: Slices | null, 
     )
   return {
     name: 'sensitivity',
-    columns: ['parameter', 'others at', 'value', `${run.quantity}${ofUnit(run.unit)}`, 'status'],
+    columns: ['parameter', 'others at', 'value', `${run.quantity || 'value'}${ofUnit(run.unit)}`, 'status'],
     rows: [...rows(result.curves, 'nominal'), ...rows(slices?.curves ?? [], called)],
   }
 }
@@ -135,7 +135,7 @@ function Small({ data, curve, slices, called, parameter, yRange, criterion, hidd
     const digits = decimalsFor([low, high, nominal])
     const at = through && slices?.at[path]
     return {
-      label: `${symbolText(run.quantity)} over ${text}`,
+      label: `${symbolText(run.quantity || 'value')} over ${text}`,
       x: xs,
       lines: [
         { key: 'nominal', label: 'Others at nominal', colour: '--c-nom', y: linesOn(xs, nominals), width: 1.8 },

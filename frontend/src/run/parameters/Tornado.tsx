@@ -53,7 +53,7 @@ export function Tornado({ data, result, className, tall }: TornadoProps) {
       }
     >
       {bars.length > 0 ? (
-        <Bars bars={bars} quantity={run.quantity} unit={run.unit} row={tall ? 52 : 36} />
+        <Bars bars={bars} quantity={run.quantity || 'value'} unit={run.unit} row={tall ? 52 : 36} />
       ) : (
         <p className="sec">No parameter has a value at both of its bounds.</p>
       )}

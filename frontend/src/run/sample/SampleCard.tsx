@@ -110,7 +110,7 @@ function Histogram({ data, edges, counts }: { data: RunData; edges: number[]; co
         className={figures.ch}
         height={HEIGHT}
         role="img"
-        aria-label={`Histogram of ${symbolText(run.quantity)} over the sample`}
+        aria-label={`Histogram of ${symbolText(run.quantity || 'value')} over the sample`}
       >
         <TicksBeside ticks={ys} at={y} text={count} from={LEFT} to={width - RIGHT} />
         {counts.map((n, i) => {

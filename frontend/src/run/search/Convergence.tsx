@@ -54,7 +54,7 @@ export function Convergence({ data, className, height }: ConvergenceProps) {
     const values = curves.flatMap(({ curve }) => curve.y)
     const decimals = decimalsFor(values, 5)
     return {
-      label: `Convergence: best ${symbolText(run.quantity)} found so far by ${curves.length} methods`,
+      label: `Convergence: best ${symbolText(run.quantity || 'value')} found so far by ${curves.length} methods`,
       x: xs,
       lines: curves.map(({ search, curve }) => ({
         key: String(search.stage.position),
@@ -92,7 +92,7 @@ export function Convergence({ data, className, height }: ConvergenceProps) {
   }))
   const table = () => ({
     name: 'convergence',
-    columns: ['method', 'evaluation', 'working time, s', `best ${run.quantity} so far${ofUnit(run.unit)}`],
+    columns: ['method', 'evaluation', 'working time, s', `best ${run.quantity || 'value'} so far${ofUnit(run.unit)}`],
     rows: searches.flatMap(({ series, stage, title }) =>
       (series?.improvements.index ?? []).map((at, i) => [
         title || stage.method,

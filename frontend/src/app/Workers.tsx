@@ -14,7 +14,7 @@ import { Popup } from '../ui/Popup'
 import { RunLink } from '../ui/RunLink'
 import { useNow } from '../ui/useNow'
 import { usePolling } from '../ui/usePolling'
-import { buttons } from '../ui/styles'
+import { buttons, layout } from '../ui/styles'
 import styles from './workers.module.css'
 
 /** How often the workers are asked for on a page without an open stream [ms]. */
@@ -75,7 +75,7 @@ function Listed({ data, ahead, onLeave }: { data: Known; ahead: number; onLeave:
           {data.items.map((worker) => (
             <li key={worker.name}>
               <State worker={worker} />
-              <div className={styles.what}>
+              <div className={clsx(layout.wrapAny, styles.what)}>
                 <span className="b">
                   <Doing worker={worker} now={now} onLeave={onLeave} />
                 </span>

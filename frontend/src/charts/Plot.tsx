@@ -134,7 +134,7 @@ export function Plot({ spec, hidden = NOTHING, onCross, standing }: PlotProps) {
   return (
     <figure>
       {spec.yTitle && (
-        <div className={clsx('sec', figures.ytitle)}>
+        <div className="sec micro">
           {spec.yTitle}
           {spec.readout && cursor && <Readout at={cursor.at} spec={spec} hidden={hidden} />}
         </div>
@@ -143,7 +143,7 @@ export function Plot({ spec, hidden = NOTHING, onCross, standing }: PlotProps) {
         {cursor && !cursor.pointed && !spec.readout && <Flag left={cursor.left} text={spec.xText(spec.x[cursor.at] as number)} />}
         {cursor?.pointed && !spec.readout && <Tip cursor={cursor} spec={spec} hidden={hidden} />}
       </div>
-      {spec.xTitle && <figcaption className={clsx('sec', styles.xtitle)}>{spec.xTitle}</figcaption>}
+      {spec.xTitle && <figcaption className={clsx('sec micro', styles.xtitle)}>{spec.xTitle}</figcaption>}
     </figure>
   )
 }

@@ -75,7 +75,7 @@ function Densities({ drawn }: { drawn: Drawn[] }) {
   const ticks = linearTicks(low, high, Math.max(3, width / 100))
   return (
     <div ref={holder}>
-      <div className={clsx('sec', figures.ytitle)}>Density of the sampled evaluations</div>
+      <div className="sec micro">Density of the sampled evaluations</div>
       <svg className={figures.ch} height={HEIGHT} role="img" aria-label="Samples of the runs as densities">
         <AxisBelow
           ticks={ticks}

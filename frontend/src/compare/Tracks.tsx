@@ -1,5 +1,4 @@
 // Plan view of the flights of all runs: nominal grey, worst vermillion, the first run solid, the others dashed.
-import { clsx } from 'clsx'
 import { useState } from 'react'
 import { AxisBelow, TicksBeside } from '../charts/axes'
 import { ChartCard } from '../charts/ChartCard'
@@ -53,7 +52,7 @@ function Drawing({ flights, near }: { flights: Drawn[]; near: boolean }) {
   const scale = scaleOf([...tracks.flat(), ...reaches], width, HEIGHT, LEFT, BOTTOM)
   return (
     <div ref={holder}>
-      <div className={clsx('sec', figures.ytitle)}>North, m</div>
+      <div className="sec micro">North, m</div>
       <svg className={figures.ch} height={HEIGHT} role="img" aria-label={`Trajectories of ${flights.map((f) => f.key).join(', ')}`}>
         <clipPath id="tracks-area">
           <rect x={LEFT} y={4} width={Math.max(0, width - LEFT - 12)} height={HEIGHT - BOTTOM - 4} />

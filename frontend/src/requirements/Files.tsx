@@ -39,7 +39,7 @@ export function Files({ mayChange }: { mayChange: boolean }) {
           rows={data}
           by={({ id }) => id}
           columns={[
-            { head: 'File', tone: styles.named, cell: ({ name }) => name },
+            { head: 'File', tone: clsx(layout.wrapAny, styles.named), cell: ({ name }) => name },
             { head: 'Requirements', num: true, label: 'Requirements', cell: ({ requirements }) => count(requirements) },
             timeColumn<RequirementFileOut>(
               'Imported',

@@ -92,7 +92,7 @@ function What({ row, onChange }: { row: RequirementRow; onChange: MatrixProps['o
           </TextButton>
         )}
       </span>
-      <p className={styles.text}>{row.text || <span className="mut">no text</span>}</p>
+      <p className={clsx(layout.wrapAny, styles.text)}>{row.text || <span className="mut">no text</span>}</p>
       <p className="small mut">
         {row.file ? `from ${row.file}` : row.registered ? 'written here' : 'stated by campaigns only'}
         {more && `; ${more}`}
@@ -124,7 +124,7 @@ function Cells({ run }: { run: RequirementRun }) {
       <td data-label="Date">
         <DateCell outcome={run} />
       </td>
-      <td data-label="Sign-off" className={styles.signed}>
+      <td data-label="Sign-off" className={clsx(layout.wrapAny, styles.signed)}>
         {run.signoffs.length > 0 ? <SignedBy items={run.signoffs} /> : <span className="mut">{run.verdict ? 'none' : NONE}</span>}
       </td>
     </>

@@ -72,7 +72,7 @@ function Page({ run }: { run: RunDetail }) {
     <div className={styles.own}>
       <div className={layout.ph}>
         <div className={layout.grow}>
-          <nav className={clsx(layout.row, 'mut small', styles.crumb)} aria-label="Breadcrumb">
+          <nav className={clsx(layout.row, layout.wrapAny, 'mut small', styles.crumb)} aria-label="Breadcrumb">
             <Link to="/runs" className="sec">Runs</Link>/
             <Link to="/runs/$id" params={{ id: run.id }} search={(before) => before} className="mono sec">
               {run.id}

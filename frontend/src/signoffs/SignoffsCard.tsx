@@ -97,7 +97,7 @@ function Rows({ run, items, onWithdraw }: RowsProps) {
       rows={items}
       by={({ id }) => id}
       columns={[
-        { head: 'Status', label: 'Status', className: styles.status, cell: (item) => <Status item={item} run={run} /> },
+        { head: 'Status', label: 'Status', className: clsx(layout.wrapAny, styles.status), cell: (item) => <Status item={item} run={run} /> },
         {
           head: 'Signed by',
           label: 'Signed by',

@@ -12,7 +12,7 @@ import { criterionOf } from '../campaign/parameters'
 import { PlanView } from '../plan/PlanView'
 import { Key, Legend } from '../plan/scene'
 import { FEW, matching, type Shelf, tagsOf, titlesOf } from './shelf'
-import { fields, layout, lists } from '../../ui/styles'
+import { cards, fields, layout, lists } from '../../ui/styles'
 import styles from './library.module.css'
 
 interface LibraryProps {
@@ -154,7 +154,7 @@ function Card({ item, catalogue, chosen, tabbable, onChoose, onKey }: CardProps)
     <button
       type="button"
       id={`case-${item.id}`}
-      className={styles.libc}
+      className={clsx(cards.card, styles.libc)}
       role="radio"
       aria-checked={chosen}
       tabIndex={tabbable ? 0 : -1}

@@ -1,5 +1,4 @@
 // The region of attraction about trim in the plane of two states, with the ends of simulations, and its statement.
-import { clsx } from 'clsx'
 import { useState } from 'react'
 import type { AttractionOfResult } from '../../api/stages'
 import type { TrimState } from '../../client'
@@ -64,7 +63,7 @@ function Section({ proved, simulated, x, y }: SectionProps) {
   const path = proved.map(([a, b], i) => `${i ? 'L' : 'M'}${across(a).toFixed(1)} ${up(b).toFixed(1)}`).join('')
   return (
     <div ref={holder}>
-      <div className={clsx('sec', figures.ytitle)}>{title(y)}</div>
+      <div className="sec micro">{title(y)}</div>
       <svg className={figures.ch} height={HEIGHT} role="img" aria-label={`Section of ${title(x)} and ${title(y)}: proved region and simulated ends`}>
         <TicksBeside ticks={beside} at={up} from={LEFT} to={width - RIGHT} />
         <AxisBelow ticks={below} at={across} foot={HEIGHT - BOTTOM} from={LEFT} to={width - RIGHT} title={title(x)} />

@@ -34,7 +34,7 @@ export function Head({ run, stale }: { run: RunDetail; stale: boolean }) {
   return (
     <div className={layout.ph}>
       <div className={layout.grow}>
-        <nav className={clsx(layout.row, 'mut small', runStyles.crumb)} aria-label="Breadcrumb">
+        <nav className={clsx(layout.row, layout.wrapAny, 'mut small', runStyles.crumb)} aria-label="Breadcrumb">
           <Link to="/runs" className="sec">Runs</Link>/<span>{run.campaign_name}</span>/<span className="mono">{run.id}</span>
         </nav>
         <div className={clsx(layout.row, runStyles.titles)}>

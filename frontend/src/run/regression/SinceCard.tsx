@@ -104,7 +104,7 @@ export function Changes({ unit, regression, choose }: ChangesProps) {
   const changes = cases.flatMap((c) => (c.change ? [c.change] : []))
   // A change that is not 0 is not shown as 0, down to a millionth.
   const smallest = Math.min(6, Math.max(3, ...changes.map((value) => decimalsFor([value], 2))))
-  const named = RUN.test(regression.run) ? <RunLink run={regression.run} className="mono" /> : <span className={styles.folder}>{regression.run}</span>
+  const named = RUN.test(regression.run) ? <RunLink run={regression.run} className="mono" /> : <span className={clsx(layout.wrapAny, styles.folder)}>{regression.run}</span>
   const column = (key: 'margin_before' | 'margin_again' | 'margin', head: string, title: string): Column<FindingChange> => ({
     head,
     title,

@@ -103,7 +103,7 @@ function Histogram({ data, edges, counts }: { data: RunData; edges: number[]; co
   ]
   return (
     <div ref={holder}>
-      <div className={clsx('sec', figures.ytitle)}>
+      <div className="sec micro">
         Samples per {plain(spread / counts.length, 2)} {run.unit} bin
       </div>
       <svg

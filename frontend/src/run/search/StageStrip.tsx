@@ -8,7 +8,7 @@ import { atMost, count, decimalsFor, duration, exact, fixed } from '../../format
 import { Progress } from '../../ui/Card'
 import { methodLook } from '../../ui/methods'
 import { headlineOf } from '../../ui/VerdictBadge'
-import { icons, layout } from '../../ui/styles'
+import { cards, icons, layout } from '../../ui/styles'
 import styles from './search.module.css'
 
 type State = 'done' | 'act' | 'todo' | 'fail'
@@ -27,7 +27,7 @@ interface Step {
 
 export function StageStrip({ run }: { run: RunDetail }) {
   return (
-    <div className={styles.stages} role="list" aria-label="Stages">
+    <div className={clsx(cards.card, styles.stages)} role="list" aria-label="Stages">
       {stepsOf(run).map((step) => (
         <div key={step.name} className={styles.stg} data-state={step.state} role="listitem">
           <div className={clsx(layout.row, 'b nw', styles.nm)}>

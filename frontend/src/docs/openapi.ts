@@ -1,5 +1,5 @@
 // The parts of an OpenAPI 3.1 document that the API page uses.
-import type { Schema } from '../api/schema'
+import { boundsOf, type Schema, statedBy } from '../api/schema'
 
 export interface Parameter {
   name: string
@@ -85,22 +85,22 @@ export function partsOf(schema: Schema | undefined): string[] {
 }
 
 /** The constraints of a value besides its type. */
-export function limitsOf(schema: Schema | undefined): string {
-  const of = (schema?.anyOf ?? []).find((option) => option.type !== 'null') ?? schema ?? {}
-  const { minimum, maximum, minLength, maxLength, minItems, maxItems, pattern } = { ...schema, ...of }
-  const range = (low: number | undefined, high: number | undefined, what: string): string | null => {
-    if (low !== undefined && high !== undefined) return `${low} to ${high}${what}`
-    if (high !== undefined) return `at most ${high}${what}`
-    return low === undefined || (low === 0 && what !== '') ? null : `at least ${low}${what}`
-  }
+export function limitsOf(schema: Schema = {}): string {
+  const { minLength, maxLength, minItems, maxItems, pattern } = statedBy(schema)
   return [
-    range(minimum, maximum, ''),
+    boundsOf(schema),
     range(minLength, maxLength, ' characters'),
     range(minItems, maxItems, ' items'),
-    pattern ? `matches ${pattern}` : null,
+    pattern && `matches ${pattern}`,
   ]
     .filter(Boolean)
     .join(', ')
+}
+
+function range(low: number | undefined, high: number | undefined, what: string): string {
+  if (low !== undefined && high !== undefined) return `${low} to ${high}${what}`
+  if (high !== undefined) return `at most ${high}${what}`
+  return low ? `at least ${low}${what}` : ''
 }
 
 /** The address of an operation with these values; empty values are omitted from the query. */

@@ -1,5 +1,5 @@
 // The text of a method with its settings: the installed one on help pages, the stored one on a run's page.
-import { optionsOf, type Schema } from '../api/schema'
+import { boundsOf, optionsOf, type Schema, statedBy } from '../api/schema'
 import type { MethodEntry } from '../client'
 import { count } from '../format/numbers'
 import { type Column, Table } from '../ui/Table'
@@ -64,16 +64,8 @@ function Fact({ title, text }: { title: string; text: string }) {
 const written = (value: unknown): string =>
   value === null ? 'none' : typeof value === 'string' || typeof value === 'number' ? String(value) : JSON.stringify(value)
 
-function meaning(rule: Schema): string {
-  const of = rule.anyOf?.find((option) => option.type !== 'null') ?? rule
-  const limits =
-    of.minimum !== undefined && of.maximum !== undefined
-      ? `${of.minimum} to ${of.maximum}`
-      : of.enum
-        ? of.enum.map(written).join(', ')
-        : ''
-  return [rule.description, limits].filter(Boolean).join(' · ')
-}
+const meaning = (rule: Schema): string =>
+  [rule.description, boundsOf(rule) || statedBy(rule).enum?.map(written).join(', ')].filter(Boolean).join(' · ')
 
 /** When a search ends: at its budget, by its own rule, or by a rule that an option sets. */
 function endsOf({ whole_budget, own_rule, effort }: MethodEntry): string {

@@ -7,7 +7,7 @@ import { type Parameter, parametersOf, type Role, ROLE_OF } from '../campaign/pa
 import { type Setting, SIMULATION, STAGES, VERDICT } from '../campaign/settings'
 import type { At } from '../text/tree'
 import { scalar } from '../text/words'
-import { optionsOf, type Schema } from '../../api/schema'
+import { boundsOf, optionsOf, type Schema } from '../../api/schema'
 import { ruleAt, rulesOf } from '../text/schema'
 
 export interface Known {
@@ -40,13 +40,10 @@ const ROLES: Record<string, Role> = {
 
 const roleAt = (at: At): Role | undefined => ROLES[String(at[0] === 'scenario' ? at[1] : at[0])]
 
-const range = (low: number, high: number): string =>
-  low === -high ? `±${plain(high)}` : `${plain(low)} to ${plain(high)}`
-
 function ofParameter(entry: ParameterEntry): Hint {
   const parts = [
     unitText(entry.unit),
-    range(entry.low, entry.high),
+    boundsOf({ minimum: entry.low, maximum: entry.high }),
     entry.default === null ? 'must be given' : `default ${plain(entry.default)}`,
   ]
   return { title: entry.text, detail: parts.filter(Boolean).join(', '), text: '' }
@@ -70,9 +67,7 @@ const SETTINGS = new Map<string, Setting>(
 function ofRule(at: At, rule: Schema): Hint {
   const setting = SETTINGS.get(at.join('.'))
   const rules = rulesOf(rule)
-  const low = rules.map((r) => r.minimum ?? r.exclusiveMinimum).find((v) => v !== undefined)
-  const high = rules.map((r) => r.maximum ?? r.exclusiveMaximum).find((v) => v !== undefined)
-  const bounds = low !== undefined && high !== undefined ? range(low, high) : low !== undefined ? `from ${plain(low)}` : ''
+  const bounds = rules.map(boundsOf).find(Boolean) ?? ''
   const simple = ['number', 'string', 'boolean'].includes(typeof rule.default)
   const usual = simple && rule.default !== '' ? `default ${scalar(rule.default as Json)}` : ''
   const words = setting?.text ?? opening(rules.map((r) => r.description).find(Boolean) ?? '')

@@ -3,7 +3,6 @@ import { IconPlus } from '@tabler/icons-react'
 import { clsx } from 'clsx'
 import type { Json, SearchStage } from '../../api/campaign'
 import type { MethodEntry } from '../../client'
-import { plain } from '../../format/numbers'
 import { About } from '../../help/Docstring'
 import { HelpLink } from '../../help/links'
 import { Sign } from '../../ui/Sign'
@@ -11,7 +10,7 @@ import { Button } from '../../ui/Button'
 import { Choice, Labelled, RemoveButton } from '../fields/Field'
 import { NumberCell } from '../fields/NumberCell'
 import { numberOf } from '../campaign/parameters'
-import { optionsOf, type Schema } from '../../api/schema'
+import { boundsOf, optionsOf, type Schema } from '../../api/schema'
 import { FieldErrors } from '../fields/problems'
 import type { FormProps } from '../fields/props'
 import { fields as fieldsCss, layout } from '../../ui/styles'
@@ -72,8 +71,7 @@ function Option({ field, name, rule, value, onChange }: OptionProps) {
       label={label}
       text={
         <>
-          {rule.description}
-          {limits(rule)}
+          {[rule.description, boundsOf(rule)].filter(Boolean).join(', ')}
         </>
       }
     >
@@ -91,11 +89,6 @@ function Option({ field, name, rule, value, onChange }: OptionProps) {
       )}
     </Labelled>
   )
-}
-
-function limits(rule: Schema): string {
-  if (rule.minimum === undefined || rule.maximum === undefined) return ''
-  return `, ${plain(rule.minimum)} to ${plain(rule.maximum)}`
 }
 
 function Starts({ field, at, stage: { starts = [] }, method: { title }, parameters, set }: MethodOptionsProps) {

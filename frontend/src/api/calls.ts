@@ -88,10 +88,10 @@ export const getView = (
   news?: { since: number; wait: number },
 ) => answer(sdk.getView({ path: { run, key }, query: news, signal }))
 /** One flight of a run with other parameters; superseded by a newer request of the same client. */
-export const simulateFlight = (run: string, body: FlightRequest, signal?: AbortSignal) => answer(sdk.simulateFlight({ path: { run }, body, signal }))
+export const simulateFlight = (run: string, body: FlightRequest) => answer(sdk.simulateFlight({ path: { run }, body }))
 
 /** Evaluates one case of a run's simulator with other parameters. */
-export const evaluateCase = (run: string, body: CaseRequest, signal?: AbortSignal) => answer(sdk.evaluateCase({ path: { run }, body, signal }))
+export const evaluateCase = (run: string, body: CaseRequest) => answer(sdk.evaluateCase({ path: { run }, body }))
 
 /** Changes the 3D view; the service waits up to this many seconds for it to open. */
 export const changeView = (

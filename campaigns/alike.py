@@ -16,9 +16,6 @@ _INVISIBLE = (
 
 def plain(text: str) -> str:
     """The text in the form in which equal-looking characters are equal, letters in one case."""
-    seen = "".join(c for c in text if unicodedata.category(c) not in ("Cc", "Cf") and not _shows_nothing(ord(c)))
+    shown = (c for c in text if not any(first <= ord(c) <= last for first, last in _INVISIBLE))
+    seen = "".join(c for c in shown if unicodedata.category(c) not in ("Cc", "Cf"))
     return unicodedata.normalize("NFKC", unicodedata.normalize("NFKC", seen).casefold())
-
-
-def _shows_nothing(code: int) -> bool:
-    return any(first <= code <= last for first, last in _INVISIBLE)

@@ -11,9 +11,10 @@ from collections.abc import Callable
 from statistics import NormalDist
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-Floats = NDArray[np.float64]
+from campaigns.cube import Floats
+
 _STANDARD = NormalDist()
 _TINY, _ACCURATE, _STEPS = 1e-300, 1e-15, 10_000
 

@@ -5,8 +5,9 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from campaigns.cube import Floats
+
 Indices = NDArray[np.int64]
-Floats = NDArray[np.float64]
 
 NEAR = 25
 """Rows on either side of a closest approach that are never left out."""

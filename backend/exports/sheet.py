@@ -25,9 +25,9 @@ from backend.http.written import cells, finite_all, headed
 from backend.results.evaluations import Bounds
 from campaigns import Campaign, cube
 from campaigns.checked.check import parameters
+from campaigns.cube import Floats
 from campaigns.results.base import OK, STATUS
 from campaigns.runs import run_name
-from campaigns.stored.records import Floats
 
 BLOCK = 16
 """Number of chunks per read."""

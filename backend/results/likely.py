@@ -16,11 +16,11 @@ from backend.db.tables import EvaluationChunk, Stage
 from backend.results import noise
 from backend.runs.service import campaign
 from campaigns import Campaign
+from campaigns.cube import Floats
 from campaigns.densities.joint import Joint, joint
 from campaigns.densities.likelihood import Rows, most_likely
 from campaigns.results.base import OK
 from campaigns.results.likelihood import MostLikely
-from campaigns.special import Floats
 
 Limits = dict[str, tuple[float, float, float]]
 """Nominal value and bounds by path."""

@@ -11,9 +11,6 @@ import json
 from collections.abc import Mapping
 from typing import Annotated, Any, Literal
 
-import numpy as np
-from numpy.typing import NDArray
-
 from campaigns.asked.load import load_document
 from campaigns.asked.spec import Campaign
 from campaigns.capsules.sources import Part, Sources
@@ -25,8 +22,6 @@ from campaigns.results.trace import TraceColumn
 from campaigns.versions import Versions
 
 FORMAT = "clearance-capsule/1"
-
-Floats = NDArray[np.float64]
 
 
 class Origin(Part):

@@ -21,10 +21,11 @@ from pydantic import ValidationError
 
 from campaigns.asked.problem import CampaignError
 from campaigns.asked.reading import repeated
-from campaigns.capsules.capsule import FORMAT, Capsule, Floats, Origin, Trajectory, digest_of
+from campaigns.capsules.capsule import FORMAT, Capsule, Origin, Trajectory, digest_of
 from campaigns.capsules.sources import LARGEST as LARGEST_SOURCE
 from campaigns.capsules.sources import Sources
 from campaigns.catalogue import Catalogue
+from campaigns.cube import Floats
 from campaigns.documents import digest_of as described_digest
 from campaigns.results import Finding
 from campaigns.results.measured import Measured

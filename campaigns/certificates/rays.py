@@ -8,11 +8,10 @@ from fractions import Fraction
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from campaigns.certificates.polynomials import Polynomial
+from campaigns.cube import Floats as Floats
 
-Floats = NDArray[np.float64]
 FARTHEST, POINTS, HALVINGS = 100.0, 400, 45
 
 

@@ -34,6 +34,8 @@ SEED = "seed"
 """The parameter of a random component that selects its realisation."""
 RANDOM = ("environment", "fault")
 """The roles of components that may be random."""
+LISTED: dict[str, Role] = {"obstacles": "obstacle", "environment": "environment", "faults": "fault"}
+"""The lists of components in a scenario, and their roles."""
 
 
 def check(campaign: Campaign, catalogue: Catalogue) -> list[Problem]:
@@ -66,12 +68,9 @@ def parts(campaign: Campaign) -> Iterator[tuple[str, str, Role, Part]]:
     yield "vehicle", "scenario.vehicle", "vehicle", s.vehicle
     yield "controller", "scenario.controller", "controller", s.controller
     yield "avoider", "scenario.avoider", "avoider", s.avoider
-    for i, obstacle in enumerate(s.obstacles):
-        yield f"obstacles.{i}", f"scenario.obstacles.{i}", "obstacle", obstacle
-    for i, part in enumerate(s.environment):
-        yield f"environment.{i}", f"scenario.environment.{i}", "environment", part
-    for i, fault in enumerate(s.faults):
-        yield f"faults.{i}", f"scenario.faults.{i}", "fault", fault
+    for name, role in LISTED.items():
+        for i, part in enumerate(getattr(s, name)):
+            yield f"{name}.{i}", f"scenario.{name}.{i}", role, part
     c = campaign.criterion
     yield "criterion", "criterion", "criterion", Part(component=c.component, parameters=c.parameters)
     for i, objective in enumerate(campaign.objectives):

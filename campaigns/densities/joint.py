@@ -15,8 +15,8 @@ import numpy as np
 from campaigns import cube, special
 from campaigns.asked.distributions import Correlation, Distribution, matrix
 from campaigns.asked.spec import Campaign
+from campaigns.cube import Floats
 from campaigns.densities.shapes import Shape, shape
-from campaigns.special import Floats
 
 Bounds = Mapping[str, tuple[float, float]]
 """Low and high by path, in the parameters' units."""

@@ -15,10 +15,11 @@ from numpy.typing import NDArray
 
 from campaigns import cube
 from campaigns.claims import likelihood as claims
+from campaigns.cube import Floats
 from campaigns.densities.joint import Joint
 from campaigns.results.base import OK
 from campaigns.results.likelihood import Likelihood, LikelyViolation, MostLikely
-from campaigns.special import Floats, chi_square_beyond
+from campaigns.special import chi_square_beyond
 
 CELLS = 1000
 """Of the grid on which the falls of several bounded distributions are added."""

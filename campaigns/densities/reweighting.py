@@ -17,10 +17,11 @@ from numpy.typing import NDArray
 from campaigns import rules
 from campaigns.claims import reweighted as claims
 from campaigns.claims.spans import Spans
+from campaigns.cube import Floats
 from campaigns.densities.joint import Joint
 from campaigns.results.base import EXCLUDED, OK
 from campaigns.results.reweighted import EstimatedQuantile, Reweighted
-from campaigns.special import Floats, beta_quantile
+from campaigns.special import beta_quantile
 
 NEEDED = 100
 """The smallest effective sample size for an estimate."""

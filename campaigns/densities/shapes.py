@@ -13,7 +13,7 @@ import numpy as np
 
 from campaigns import special
 from campaigns.asked.distributions import Beta, Distribution, Normal, Triangular, TruncatedNormal, Uniform
-from campaigns.special import Floats
+from campaigns.cube import Floats
 
 FLAT = 1e5
 """A normal distribution whose deviation exceeds this many ranges is uniform to 1e-11 within the bounds."""

@@ -20,10 +20,10 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from campaigns.cube import Floats
 from campaigns.results.base import EXCLUDED, FLAKY, OK, TIMEOUT
 from campaigns.results.sample import FAILURES, FIRST, KEPT, Beside
 
-Floats = NDArray[np.float64]
 Whole = NDArray[np.int64]
 
 BINS = 1000

@@ -12,14 +12,13 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from campaigns.cube import Floats
 from campaigns.results import StageResult, TraceHead
 from campaigns.results.base import OK
 from campaigns.results.trace import TraceColumn
 from campaigns.runs import StageState
 from campaigns.stages.found import StageKind
 from campaigns.versions import Versions
-
-Floats = NDArray[np.float64]
 
 
 class Columns(NamedTuple):

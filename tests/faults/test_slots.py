@@ -180,7 +180,7 @@ def test_a_program_that_never_starts_is_not_started_again_without_work(protocol:
     with SlotPool(Program(command, protocol), 2) as pool:
         outcomes = pool.evaluate([{"parameters": {}}] * 3)
         assert all(o.kind in ("crash", "not started") for o in outcomes)
-        until(lambda: len(pool.idle) == 2, "both slots wait for work", 20)
+        until(lambda: len(pool._vacant) == 2, "both slots wait for work", 20)
         assert pool.starts <= 2 + 3 + 2
 
 

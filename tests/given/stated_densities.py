@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from campaigns.asked.distributions import Correlation, Distribution
+from campaigns.cube import Floats
 from campaigns.densities.joint import Joint, joined
-from campaigns.special import Floats
 from worker.engine.problem.distributions import Distributions, Range
 
 LOW, HIGH = 4.0, 6.0

@@ -17,7 +17,7 @@ from campaigns.symbols import labels
 from worker.engine.problem.distributions import Distributions, Range
 from worker.engine.search.base import Batch
 from worker.engine.systems import optional
-from worker.engine.systems.base import Floats, Realised, Reasons, Result, Seeds, System, indices
+from worker.engine.systems.base import Floats, Realised, Reasons, Result, Seeds, System, indices, with_values
 
 
 class Problem:
@@ -81,10 +81,7 @@ class Problem:
 
     def vector(self, values: Mapping[str, float]) -> Floats:
         """One vector (size,) from values of any parameters by path; KeyError for an unknown one."""
-        vector = self.system.nominal.copy()
-        for path, value in values.items():
-            vector[self.paths[path]] = value
-        return vector
+        return with_values(self.system.nominal, self.paths, values)
 
     @cached_property
     def paths(self) -> dict[str, int]:

@@ -7,10 +7,9 @@ itself (b), whose slope is the first of the next step; rows 13 to 15 are the add
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.integrate import DOP853
 
-Floats = NDArray[np.float64]
+from worker.engine.systems.base import Floats
 
 STAGES = 12
 """Slopes of one step; the thirteenth is the first of the next."""

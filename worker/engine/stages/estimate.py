@@ -143,7 +143,7 @@ def _estimated(
         "failed_draws": made.failed,
         "modes": modes,
         "alarms": alarms,
-        "density": _density(made.mixture),
+        "density": density(made.mixture),
         "independent": Rows(first=first, count=count),
         "final": Rows(first=len(columns.status) - made.drawn, count=made.drawn),
         "statement": statement,
@@ -156,13 +156,10 @@ def _beyond(outside: float, kept: int, drawn: int) -> float:
     return min(1.0, outside * drawn / kept) if kept else 1.0
 
 
-def _density(mixture: Mixture) -> ImportanceDensity:
-    return ImportanceDensity(
-        designs=mixture.designs.tolist(),
-        centres=mixture.centres.tolist(),
-        covariances=mixture.covariances.tolist(),
-        shares=mixture.shares.tolist(),
-    )
+def density(mixture: Mixture) -> ImportanceDensity:
+    """The mixture as it is stored."""
+    names = ImportanceDensity.model_fields
+    return ImportanceDensity.model_validate({name: getattr(mixture, name).tolist() for name in names})
 
 
 def _mode(problem: Problem, mode: Mode, origins: list[Origin]) -> ViolationMode:

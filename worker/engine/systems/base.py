@@ -322,6 +322,14 @@ def indices(parameters: Sequence[Parameter]) -> dict[str, int]:
     return {p.path: k for k, p in enumerate(parameters)}
 
 
+def with_values(vector: Floats, at: Mapping[str, int], values: Mapping[str, float]) -> Floats:
+    """The vector (size,) with these values by path, which are at these indices; KeyError for an unknown path."""
+    changed = vector.copy()
+    for path, value in values.items():
+        changed[at[path]] = value
+    return changed
+
+
 def in_own_sign(results: Sequence[Result], costs: Floats) -> Floats:
     """Costs (m, k), where lower is worse, as the results' values in their own sign."""
     return np.stack([0.0 - c if r.worse == "high" else c for c, r in zip(costs.T, results, strict=True)], 1)

@@ -15,13 +15,12 @@ from numpy.typing import NDArray
 
 from campaigns import limits, rules
 from campaigns.claims import sureness as templates
+from campaigns.cube import Floats
 from campaigns.results import StageResult
 from campaigns.results.base import OK
 from campaigns.results.sureness import Sureness
 from campaigns.stages.plan import plan
 from worker.engine.problem.problem import Problem
-
-Floats = NDArray[np.float64]
 
 
 class Model(NamedTuple):

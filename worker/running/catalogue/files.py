@@ -12,11 +12,11 @@ from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
-from campaigns.catalogue import ParameterEntry, ResultEntry, SimulatorEntry
+from campaigns.catalogue import ParameterEntry, SimulatorEntry
 from campaigns.documents import JsonObject
 from worker.engine.systems.simulators.declared.columns import Column
 from worker.engine.systems.simulators.declared.described import Described
-from worker.engine.systems.simulators.declared.descriptor import listed, unusable
+from worker.engine.systems.simulators.declared.descriptor import listed, result_entries, unusable
 from worker.engine.systems.simulators.declared.folder import digest_of_place, folders
 from worker.engine.systems.simulators.declared.function import (
     DESCRIBING,
@@ -68,12 +68,7 @@ def entry_of(declaration: Declaration) -> SimulatorEntry:
             )
             for name, p in d.parameters.items()
         ],
-        results=[
-            ResultEntry(
-                name=name, title=r.title or name, quantity=r.quantity or name, unit=r.unit, worse=r.worse, text=r.text
-            )
-            for name, r in d.results.items()
-        ],
+        results=result_entries(d.results),
     )
 
 

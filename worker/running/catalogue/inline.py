@@ -6,7 +6,6 @@ taken out of the file and installed for this process, so that everything after t
 
 from __future__ import annotations
 
-import hashlib
 import json
 import os
 import shlex
@@ -21,6 +20,7 @@ from pydantic import ValidationError
 from campaigns.asked.expected import expected
 from campaigns.asked.problem import CampaignError, Problem, shown
 from worker.engine.systems.simulators.declared.descriptor import DescribedProgram, Descriptor
+from worker.engine.systems.simulators.declared.folder import digest_of_named
 from worker.running.catalogue.installed import catalogue, simulators
 
 NAME = "inline"
@@ -52,12 +52,7 @@ class InlineProgram(DescribedProgram):
     def digest(self) -> str:
         """SHA-256 over the descriptor and the files that its command names: its folder may contain anything."""
         document = json.dumps(self.descriptor.model_dump(mode="json"), sort_keys=True, separators=(",", ":"))
-        sink = hashlib.sha256(document.encode())
-        for path in self.covered:
-            content = path.read_bytes()
-            sink.update(f"\0{path.name}\0{len(content)}\0".encode())
-            sink.update(content)
-        return sink.hexdigest()
+        return digest_of_named(((f"\0{path.name}", path) for path in self.covered), document)
 
     @property
     def covers(self) -> str:

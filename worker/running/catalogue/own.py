@@ -25,7 +25,7 @@ from typing import Any, NamedTuple
 
 from campaigns.catalogue import Kind, UnusableEntry
 from worker.engine.components.own import FOLDERS, folders, listed
-from worker.engine.kernels.folder import cache_folder
+from worker.engine.kernels.folder import cache_folder, store
 from worker.running.catalogue.alone import NoAnswer, answer_of
 
 PACKAGE = "worker.engine.components.own"
@@ -153,7 +153,7 @@ def examine(file: Path) -> OwnFile:
     stored = _stored(key)
     if stored is None:
         stored = _examined(file, vehicles)
-        _store(key, stored)
+        store(_file(key), json.dumps(stored))
     return OwnFile(file, **{name: value for name, value in stored.items() if name != "until"})
 
 
@@ -201,7 +201,7 @@ def _installation() -> str:
 
 def _stored(key: str) -> dict[str, Any] | None:
     try:
-        found: Any = json.loads((_folder() / f"{key}.json").read_text(encoding="utf-8"))
+        found: Any = json.loads(_file(key).read_text(encoding="utf-8"))
     except (OSError, ValueError):
         return None
     if not isinstance(found, dict) or ("until" in found and found["until"] < time.time()):
@@ -209,16 +209,8 @@ def _stored(key: str) -> dict[str, Any] | None:
     return found
 
 
-def _store(key: str, found: dict[str, Any]) -> None:
-    draft = _folder() / f"{key}.{os.getpid()}"
-    with contextlib.suppress(OSError):
-        draft.parent.mkdir(parents=True, exist_ok=True)
-        draft.write_text(json.dumps(found), encoding="utf-8")
-        draft.replace(draft.with_name(f"{key}.json"))
-
-
-def _folder() -> Path:
-    return cache_folder() / "examined"
+def _file(key: str) -> Path:
+    return cache_folder() / "examined" / f"{key}.json"
 
 
 def _vehicles(file: Path) -> dict[str, Path]:

@@ -72,8 +72,7 @@ def _imported(error: ImportError, text: str) -> str:
     names = [n for n in vars(sys.modules.get(module, sys)) if not n.startswith("_")] if module in sys.modules else []
     name = name or (found[1] if (found := re.search(r"cannot import name '(\w+)'", text)) else "")
     if name and names:
-        close = meant(name, names)
-        return f"{module} has no {name!r}: " + (close if close.startswith("did") else "correct the name")
+        return f"{module} has no {name!r}: {meant(name, names, 'correct the name')}"
     return text
 
 
@@ -85,8 +84,7 @@ def _near_module(module: str) -> str:
         return f"a file of the same folder is imported with a point, from .{module} import ..."
     known = {name for name in sys.modules if not name.startswith("_") and "." in name}
     ours = [name for name in known if name.startswith("worker.")] + ["numpy", "math", "typing", "worker"]
-    close = meant(module, ours)
-    return close if close.startswith("did") else "correct the name, or install the package"
+    return meant(module, ours, "correct the name, or install the package")
 
 
 def _attribute(error: AttributeError, text: str) -> str:

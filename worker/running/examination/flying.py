@@ -23,7 +23,6 @@ from worker.running.examination.kernels import Slot, kernels
 from worker.running.examination.mistake import Mistake
 from worker.running.examination.reading import Source
 from worker.running.examination.scenes import Own, nominal, scenes
-from worker.running.examination.shapes import wrong
 
 STEP, STEPS = 0.01, 12
 """Step [s] and number of steps."""
@@ -136,7 +135,7 @@ class Watch:
             if code not in self.calls:
                 self.calls[code] = [arguments]
             result = function(*arguments)
-            found = "" if slot is None or slot.shape is None else wrong(result, slot.shape)
+            found = "" if slot is None or slot.shape is None else slot.shape.wrong(result)
             if found:
                 raise Mistake(_sentence(function, slot, found, arguments), _line_of_return(function, arguments))
             if self._counted:

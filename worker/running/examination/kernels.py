@@ -66,6 +66,12 @@ def _slot(field: str, function: Any, arguments: str, shape: Shape | None) -> Slo
     return Slot(field, function, tuple(arguments.split()), shape)
 
 
+def _optional(field: str, function: Any, arguments: str, shape: Shape | None) -> Iterator[Slot]:
+    """An optional kernel, if the component has it."""
+    if function is not None:
+        yield _slot(field, function, arguments, shape)
+
+
 def _vehicle(v: Vehicle) -> Iterator[Slot]:
     state = _signals(v.states, "the states")
     place = Numbers(AXES[: v.dimension], "the position")
@@ -76,10 +82,8 @@ def _vehicle(v: Vehicle) -> Iterator[Slot]:
     yield _slot("pose", v.pose, "x p", POSE)
     yield _slot("outside", v.outside, "x p", Number("0.0 inside the envelope, else the number of the exceeded limit"))
     yield _slot("measured", v.measured, "x e p", state)
-    if v.settle is not None:
-        yield _slot("settle", v.settle, "x p", state)
-    if v.felt is not None:
-        yield _slot("felt", v.felt, "x env p", state)
+    yield from _optional("settle", v.settle, "x p", state)
+    yield from _optional("felt", v.felt, "x env p", state)
 
 
 def _controller(c: Controller, driven: Vehicle | None) -> Iterator[Slot]:
@@ -102,27 +106,21 @@ def _avoider(a: Avoider) -> Iterator[Slot]:
     bodies = "bodies" if a.weigh is None else "weighed"
     yield _slot("steer", a.steer, f"t q v goal {bodies} memory p", Pair(axes, memory))
     yield _slot("remember", a.remember, "p", memory)
-    if a.first is not None:
-        yield _slot("first", a.first, "t q v goal memory p", None)
-    if a.weigh is not None:
-        yield _slot("weigh", a.weigh, "weighed number body t q v goal memory p", None)
+    yield from _optional("first", a.first, "t q v goal memory p", None)
+    yield from _optional("weigh", a.weigh, "weighed number body t q v goal memory p", None)
 
 
 def _obstacle(o: Obstacle) -> Iterator[Slot]:
     yield _slot("body", o.body, "t o q p", shapes.BODY if o.dimension == 2 else shapes.BODY3)
-    if o.wake is not None:
-        yield _slot("wake", o.wake, "p", numbers(o.states, "the states"))
-    if o.move is not None:
-        yield _slot("move", o.move, "t o q v p", numbers(o.states, "the rates of the states"))
+    yield from _optional("wake", o.wake, "p", numbers(o.states, "the states"))
+    yield from _optional("move", o.move, "t o q v p", numbers(o.states, "the rates of the states"))
 
 
 def _environment(e: Environment) -> Iterator[Slot]:
     noise = "t q v e p" if e.draw is None else "t q v e n p"
     yield _slot("blow", e.blow, noise, Pair(shapes.SURROUNDINGS, numbers(e.states, "the rates of the states")))
-    if e.wake is not None:
-        yield _slot("wake", e.wake, "p", numbers(e.states, "the states"))
-    if e.draw is not None:
-        yield _slot("draw", e.draw, "t p", numbers(e.draws, "the samples"))
+    yield from _optional("wake", e.wake, "p", numbers(e.states, "the states"))
+    yield from _optional("draw", e.draw, "t p", numbers(e.draws, "the samples"))
 
 
 def _fault(f: Fault) -> Iterator[Slot]:
@@ -133,16 +131,14 @@ def _fault(f: Fault) -> Iterator[Slot]:
     else:
         arguments, shape = FAULTS[f.path]
         yield _slot("kernel", f.kernel, arguments, shape)
-    if f.rest is not None:
-        yield _slot("rest", f.rest, "u p", numbers(f.states, "the states"))
+    yield from _optional("rest", f.rest, "u p", numbers(f.states, "the states"))
 
 
 def _criterion(c: Criterion) -> Iterator[Slot]:
     for dimension, function in c.sample.items():
         yield _slot(f"sample[{dimension}]", function, "t q v x u to p", numbers(1, "the channel"))
     yield _slot("value", c.value, "found p", Number())
-    if c.excluded is not None:
-        yield _slot("excluded", c.excluded, "first p", shapes.Truth())
+    yield from _optional("excluded", c.excluded, "first p", shapes.Truth())
 
 
 _OF: dict[type, Callable[[Any], Iterator[Slot]]] = {

@@ -14,11 +14,11 @@ class Mistake(Exception):
         self.text, self.line = text, line or 0
 
 
-def meant(name: str, names: Iterable[str]) -> str:
-    """The close names as a question that ends a sentence, or the names themselves."""
+def meant(name: str, names: Iterable[str], otherwise: str = "") -> str:
+    """The close name as a question that ends a sentence; without one other advice, by default the names themselves."""
     names = list(names)
     close = difflib.get_close_matches(name, names, n=1)
-    return f"did you mean {close[0]!r}?" if close else f"choose one of: {', '.join(names)}"
+    return f"did you mean {close[0]!r}?" if close else otherwise or f"choose one of: {', '.join(names)}"
 
 
 def listed(names: Iterable[str]) -> str:

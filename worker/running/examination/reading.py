@@ -202,8 +202,8 @@ def check_names(source: Source) -> None:
         unknown = globals_of(scope) - known
         for node in loads(function):
             if node.id in unknown:
-                close = meant(node.id, sorted((source.names | set(scope.get_identifiers())) - unknown))
-                advice = close if close.startswith("did") else "define or import it"
+                known_names = sorted((source.names | set(scope.get_identifiers())) - unknown)
+                advice = meant(node.id, known_names, "define or import it")
                 raise Mistake(f"{node.id} in {function.name} is not defined: {advice}", node.lineno)
 
 

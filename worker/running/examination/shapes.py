@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -16,12 +15,21 @@ class Number:
 
     text: str = "a number"
 
+    def wrong(self, value: Any) -> str:
+        """What is wrong with a result, to complete "NAME returns ..."; empty if nothing is."""
+        if isinstance(value, bool) or not isinstance(value, int | float):
+            return f"{_described(value)}, expected {self.text}"
+        return "" if math.isfinite(value) else f"{_shown(value)}, expected a finite number"
+
 
 @dataclass(frozen=True)
 class Truth:
     """A result that is True or False."""
 
     text: str = "True or False"
+
+    def wrong(self, value: Any) -> str:
+        return "" if isinstance(value, bool | int | float) else f"{_described(value)}, expected {self.text}"
 
 
 @dataclass(frozen=True)
@@ -37,6 +45,17 @@ class Numbers:
             return f"() ({self.what})"
         return f"a tuple of {len(self.names)} ({self.what}: {', '.join(self.names)})"
 
+    def wrong(self, value: Any) -> str:
+        if isinstance(value, list):
+            return f"a list, expected {self.text}: write (a, b) in place of [a, b]"
+        if not isinstance(value, tuple) or len(value) != len(self.names):
+            return f"{_described(value)}, expected {self.text}"
+        for name, each in zip(self.names, value, strict=True):
+            found = Number().wrong(each)
+            if found:
+                return f"{found.partition(',')[0]} for {_named(name)}, expected a finite number"
+        return ""
+
 
 @dataclass(frozen=True)
 class Record:
@@ -45,9 +64,19 @@ class Record:
     kind: type
 
     @property
+    def _fields(self) -> tuple[str, ...]:
+        fields: tuple[str, ...] = self.kind._fields  # type: ignore[attr-defined]
+        return fields
+
+    @property
     def text(self) -> str:
-        fields: Sequence[str] = self.kind._fields  # type: ignore[attr-defined]
-        return f"{self.kind.__name__}({', '.join(fields)})"
+        return f"{self.kind.__name__}({', '.join(self._fields)})"
+
+    def wrong(self, value: Any) -> str:
+        if not isinstance(value, self.kind):
+            return f"{_described(value)}, expected {self.text}"
+        assert isinstance(value, tuple)
+        return Numbers(self._fields, self.kind.__name__).wrong(tuple(value))
 
 
 @dataclass(frozen=True)
@@ -61,6 +90,14 @@ class Pair:
     def text(self) -> str:
         return f"a pair of {self.first.text} and {self.second.text}"
 
+    def wrong(self, value: Any) -> str:
+        if not isinstance(value, tuple) or len(value) != 2:
+            return f"{_described(value)}, expected {self.text}"
+        for part, shape, of in zip(("first", "second"), (self.first, self.second), value, strict=True):
+            if found := shape.wrong(of):
+                return f"as its {part} result {found}"
+        return ""
+
 
 Shape = Number | Truth | Numbers | Record | Pair
 BODY, BODY3, SIGHT, SEEN, ERRORS, SURROUNDINGS = map(Record, (Body, Body3, Sight, Seen, Errors, Surroundings))
@@ -69,52 +106,6 @@ BODY, BODY3, SIGHT, SEEN, ERRORS, SURROUNDINGS = map(Record, (Body, Body3, Sight
 def numbers(count: int, what: str) -> Numbers:
     """A tuple of so many numbers without names of their own."""
     return Numbers(tuple(str(k) for k in range(count)), what)
-
-
-def wrong(value: Any, shape: Shape) -> str:
-    """What is wrong with a result, to complete "NAME returns ..."; empty if nothing is."""
-    check: Callable[[Any, Any], str] = _CHECKS[type(shape)]
-    return check(value, shape)
-
-
-def _number(value: Any, shape: Shape) -> str:
-    if isinstance(value, bool) or not isinstance(value, int | float):
-        return f"{_described(value)}, expected {shape.text}"
-    return "" if math.isfinite(value) else f"{_shown(value)}, expected a finite number"
-
-
-def _truth(value: Any, shape: Truth) -> str:
-    return "" if isinstance(value, bool | int | float) else f"{_described(value)}, expected {shape.text}"
-
-
-def _numbers(value: Any, shape: Numbers) -> str:
-    if isinstance(value, list):
-        return f"a list, expected {shape.text}: write (a, b) in place of [a, b]"
-    if not isinstance(value, tuple) or len(value) != len(shape.names):
-        return f"{_described(value)}, expected {shape.text}"
-    for name, each in zip(shape.names, value, strict=True):
-        found = _number(each, Number())
-        if found:
-            return f"{found.partition(',')[0]} for {_named(name)}, expected a finite number"
-    return ""
-
-
-def _record(value: Any, shape: Record) -> str:
-    if not isinstance(value, shape.kind):
-        return f"{_described(value)}, expected {shape.text}"
-    fields: tuple[str, ...] = shape.kind._fields  # type: ignore[attr-defined]
-    assert isinstance(value, tuple)
-    return _numbers(tuple(value), Numbers(fields, shape.kind.__name__))
-
-
-def _pair(value: Any, shape: Pair) -> str:
-    if not isinstance(value, tuple) or len(value) != 2:
-        return f"{_described(value)}, expected {shape.text}"
-    first = wrong(value[0], shape.first)
-    if first:
-        return f"as its first result {first}"
-    second = wrong(value[1], shape.second)
-    return f"as its second result {second}" if second else ""
 
 
 def _named(name: str) -> str:
@@ -134,6 +125,3 @@ def _described(value: Any) -> str:
 
 def _shown(value: Any) -> str:
     return "NaN" if value != value else f"{value:g}" if isinstance(value, float) else str(value)
-
-
-_CHECKS: dict[type, Any] = {Number: _number, Truth: _truth, Numbers: _numbers, Record: _record, Pair: _pair}

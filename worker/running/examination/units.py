@@ -30,6 +30,5 @@ def unknown(unit: str) -> str:
         if symbol and symbol not in SYMBOLS and part not in SYMBOLS:
             if symbol.lower() in WORDS:
                 return f"write {WORDS[symbol.lower()]!r}"
-            close = meant(symbol, sorted(SYMBOLS))
-            return close if close.startswith("did") else "use symbols of the SI such as m, m/s, kg m2, rad/s, 1/s"
+            return meant(symbol, sorted(SYMBOLS), "use symbols of the SI such as m, m/s, kg m2, rad/s, 1/s")
     return ""

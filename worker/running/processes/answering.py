@@ -5,11 +5,14 @@ from __future__ import annotations
 import json
 import math
 import os
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any, TextIO
 
 from campaigns import CampaignError
-from worker.engine.systems.base import CampaignUnusable
+from campaigns.results import TraceHead
+from campaigns.results.trace import TraceColumn
+from campaigns.stored.replies import FlightReply
+from worker.engine.systems.base import CampaignUnusable, Floats
 from worker.running.processes import memory
 from worker.running.runs import sources
 
@@ -64,6 +67,22 @@ def answered(
     except Exception as error:
         lost(error)
         return {"id": number, "error": f"{what} failed: {type(error).__name__}: {error}"}
+
+
+def flight_reply(
+    head: TraceHead, threshold: float | None, columns: Sequence[TraceColumn], data: Floats, identity: object
+) -> FlightReply:
+    """One evaluation, with the rows of its trace, if it has columns."""
+    return {
+        "status": head.status,
+        "reason": head.reason,
+        "cost": head.cost,
+        "margin": None if head.cost is None or threshold is None else head.cost - threshold,
+        "columns": [column.model_dump() for column in columns],
+        "data": {column.name: finite(data[:, k].tolist()) for k, column in enumerate(columns)},
+        "meta": finite(head.model_dump()),
+        "identity": identity,
+    }
 
 
 def within(path: str, value: Any, low: float, high: float, unit: str) -> float:

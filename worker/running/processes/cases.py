@@ -34,6 +34,8 @@ from dataclasses import dataclass
 from functools import partial
 from typing import Any
 
+import numpy as np
+
 from campaigns import Campaign, thin
 from campaigns.asked.load import load_document
 from campaigns.asked.problem import Problem
@@ -50,7 +52,7 @@ from worker.engine.systems.simulators.slots.places import Place
 from worker.running.catalogue import installed
 from worker.running.opening import opened
 from worker.running.processes import answering, memory
-from worker.running.processes.answering import finite, within
+from worker.running.processes.answering import flight_reply, within
 from worker.running.runs import provenance
 
 heap.loaded()
@@ -171,23 +173,10 @@ def _evaluated(case: Opened, values: Mapping[str, float], rows: int) -> CaseRepl
     if not case.evaluated and seconds < QUICK:
         seconds, found = _timed(case.system, values)
     case.evaluated = True
-    head, data = found.head, None if found.trace is None else found.trace.data
-    keep = [] if data is None else [int(row) for row in thin.even(len(data), max(rows, 2))]
-    columns = [] if found.trace is None else found.trace.columns
-    return {
-        "status": head.status,
-        "reason": head.reason,
-        "cost": head.cost,
-        "margin": None if head.cost is None else head.cost - case.threshold,
-        "seconds": seconds,
-        "untraced": found.untraced,
-        "columns": [column.model_dump() for column in columns],
-        "data": {}
-        if data is None
-        else {column.name: finite(data[keep, k].tolist()) for k, column in enumerate(columns)},
-        "meta": finite(head.model_dump()),
-        "identity": case.identity,
-    }
+    columns, data = ([], np.empty((0, 0))) if found.trace is None else (found.trace.columns, found.trace.data)
+    data = data[thin.even(len(data), max(rows, 2))]
+    reply = flight_reply(found.head, case.threshold, columns, data, case.identity)
+    return {**reply, "seconds": seconds, "untraced": found.untraced}
 
 
 @dataclass

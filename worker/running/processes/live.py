@@ -38,7 +38,7 @@ from worker.engine.systems.closed_loop.flights import Flights
 from worker.engine.systems.closed_loop.trace import simulate, trace
 from worker.running.opening import opened
 from worker.running.processes import answering, memory
-from worker.running.processes.answering import finite, within
+from worker.running.processes.answering import finite, flight_reply, within
 from worker.running.runs import provenance
 
 heap.loaded()
@@ -108,16 +108,7 @@ def _opened(document: Any, problems: Problems) -> Opened:
 def _flight(flights: Flights, values: dict[str, float], rows: int, identity: object) -> FlightReply:
     simulated = trace(flights, "live", values, rows)
     head = simulated.meta
-    return {
-        "status": head.status,
-        "reason": head.reason,
-        "cost": head.cost,
-        "margin": None if head.cost is None or head.threshold is None else head.cost - head.threshold,
-        "columns": [column.model_dump() for column in simulated.columns],
-        "data": {column.name: finite(simulated.data[:, k].tolist()) for k, column in enumerate(simulated.columns)},
-        "meta": finite(head.model_dump()),
-        "identity": identity,
-    }
+    return flight_reply(head, head.threshold, simulated.columns, simulated.data, identity)
 
 
 def _field(flights: Flights, values: dict[str, float], time: Any, places: Any, identity: object) -> FieldReply:

@@ -54,7 +54,7 @@ def reflown(recorded: Recorded, problem: Problem, number: int) -> list[Reflown]:
     every = [(at, row) for at, blocks in samples.items() for row in range(len(blocks.draws))]
     random = np.random.default_rng()  # not from a seed: what will be looked at cannot be prepared
     chosen = sorted(random.permutation(len(every))[:number].tolist())
-    flown = {every[k]: _again(recorded, problem, every[k][0], samples[every[k][0]], every[k][1]) for k in chosen}
+    flown = {every[k]: _again(recorded, problem, samples[every[k][0]], every[k][1]) for k in chosen}
     found = [Reflown(at, now.first, now.draws, _agreement(samples[at], row, now)) for (at, row), now in flown.items()]
     for at, then in samples.items():
         mine = [now for (position, _), now in flown.items() if position == at]
@@ -75,7 +75,7 @@ def _samples(recorded: Recorded) -> dict[int, Blocks]:
     return {at: blocks for at, blocks in found.items() if blocks is not None}
 
 
-def _again(recorded: Recorded, problem: Problem, position: int, then: Blocks, row: int) -> Block:
+def _again(recorded: Recorded, problem: Problem, then: Blocks, row: int) -> Block:
     draws = Draws(sum(then.draws[:row]), then.draws[row])
     drawing = Drawing(problem, recorded.sample_seed)
     noisy = recorded.measured is not None and not recorded.measured.identical

@@ -16,7 +16,7 @@ from worker.engine.problem.distributions import Distributions
 from worker.engine.rare import starts
 from worker.engine.rare.estimate import Estimate, Refused, estimated
 from worker.engine.search.base import Batch
-from worker.engine.stages.estimate import STREAM
+from worker.engine.stages.estimate import STREAM, density
 from worker.evidence.audit import draw
 from worker.evidence.audit.estimate import Searched
 from worker.evidence.audit.recompute import Run
@@ -49,10 +49,9 @@ def _repeated(run: Run, k: int) -> Searched | None:
     if isinstance(made, Refused):
         nothing = ImportanceDensity(designs=[], centres=[], covariances=[], shares=[])
         return Searched((made.why, made.limit), nothing, [], {})
-    names = ImportanceDensity.model_fields
-    density = ImportanceDensity.model_validate({name: getattr(made.mixture, name).tolist() for name in names})
     of_modes = [[origins[one] for one in mode.origins or ()] for mode in made.modes]
-    return Searched(None, density, of_modes, {a.why: a.value for a in made.alarms if a.why in OF_SEARCH})
+    found: dict[str, float] = {alarm.why: alarm.value for alarm in made.alarms if alarm.why in OF_SEARCH}
+    return Searched(None, density(made.mixture), of_modes, found)
 
 
 def _answered(run: Run, k: int, own: Distributions, first: Any) -> Estimate | Refused | None:

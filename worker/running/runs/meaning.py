@@ -7,10 +7,8 @@ simulates: they are stored by the digest of the text.
 from __future__ import annotations
 
 import ast
-import contextlib
 import hashlib
 import json
-import os
 import re
 import sys
 from collections.abc import Iterator, Mapping
@@ -18,7 +16,7 @@ from pathlib import Path
 from types import CodeType
 from typing import Any, NamedTuple
 
-from worker.engine.kernels.folder import cache_folder
+from worker.engine.kernels.folder import cache_folder, store
 from worker.engine.search.base import Ended, Method, MethodLook
 
 _TEXTS: dict[tuple[str, str], frozenset[int | str]] = {
@@ -53,7 +51,7 @@ def meanings(files: Mapping[str, bytes]) -> dict[str, Meaning]:
     stored = _stored(file)
     known = {text: stored.get(text) or meaning(files[name]) for name, text in texts.items()}
     if not known.keys() <= stored.keys():
-        _store(file, known)
+        store(file, json.dumps(known))  # of the present texts only, so that the file does not grow
     return {name: known[text] for name, text in texts.items()}
 
 
@@ -147,15 +145,3 @@ def _read(digest: Any, imports: Any) -> Meaning:
     if not isinstance(digest, str) or len(digest) != 16 or not digest.isalnum():
         raise ValueError(f"{digest!r:.40} is not a digest of 16 hexadecimal digits")
     return Meaning(digest, tuple(Import(str(module), str(name), str(here)) for module, name, here in imports))
-
-
-def _store(file: Path, known: Mapping[str, Meaning]) -> None:
-    """Store the meanings of the present texts only, so that the file does not grow; nothing if it cannot be written."""
-    draft = file.with_suffix(f".{os.getpid()}")
-    with contextlib.suppress(OSError):
-        draft.parent.mkdir(parents=True, exist_ok=True)
-        draft.write_text(json.dumps(known), encoding="utf-8")
-        try:
-            draft.replace(file)
-        except OSError:
-            draft.unlink()

@@ -13,7 +13,7 @@ from pathlib import Path
 from types import CodeType, ModuleType
 from typing import NamedTuple
 
-Mark = tuple[int, int, int, int]
+from worker.engine.systems.simulators.declared.unchanged import Mark, mark
 
 
 class File(NamedTuple):
@@ -22,15 +22,6 @@ class File(NamedTuple):
     path: str
     mark: Mark | None
     content: bytes
-
-
-def mark(path: str) -> Mark | None:
-    """The mark of a file as it is now; None if it is gone."""
-    try:
-        at = os.stat(path)
-    except OSError:
-        return None
-    return at.st_mtime_ns, at.st_ctime_ns, at.st_size, at.st_ino
 
 
 class Recorded:

@@ -21,7 +21,8 @@ from worker.engine.components.own import folders, listed
 from worker.engine.systems.simulators import ours as ours  # it records what slots load
 from worker.engine.systems.simulators.declared.below import walked
 from worker.engine.systems.simulators.declared.folder import watched
-from worker.running.runs.module_files import File, Recorded, mark
+from worker.engine.systems.simulators.declared.unchanged import mark
+from worker.running.runs.module_files import File, Recorded
 
 FMPY = "fmpy"
 PACKAGES = ("numpy", "scipy", "numba", "llvmlite", "nlopt", "cma", "SALib", "clarabel", FMPY)
@@ -163,12 +164,8 @@ def _version(name: str) -> str:
 
 
 def _stamp(paths: Iterable[str | Path]) -> _Stamp:
-    found = []
-    for path in paths:
-        with suppress(OSError):
-            at = os.stat(path)
-            found.append((str(path), at.st_mtime_ns, at.st_ctime_ns, at.st_size, at.st_ino))
-    return tuple(found)
+    marks = ((str(path), mark(path)) for path in paths)
+    return tuple((path, *found) for path, found in marks if found is not None)
 
 
 def _drop_old_bytecode(paths: tuple[str, ...]) -> None:

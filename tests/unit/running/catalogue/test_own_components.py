@@ -262,9 +262,9 @@ def test_packages_add_components_and_what_cannot_be_used_is_skipped(
 def test_a_stored_examination_that_cannot_be_read_is_made_again(folder: Path, read: list[Path]) -> None:
     skeleton(folder, "obstacle", "post")
     own.examined()
-    for stored in own._folder().glob("*.json"):
+    for stored in own._file("").parent.glob("*.json"):
         stored.write_text("{", encoding="utf-8")
     own.examined()
-    [stored] = own._folder().glob("*.json")
+    [stored] = own._file("").parent.glob("*.json")
     assert json.loads(stored.read_text(encoding="utf-8"))["name"] == "post"
     assert len(read) == 2

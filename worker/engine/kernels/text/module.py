@@ -4,12 +4,10 @@ from __future__ import annotations
 
 import hashlib
 import linecache
-import os
 from contextlib import suppress
-from pathlib import Path
 from types import ModuleType
 
-from worker.engine.kernels.folder import cache_folder
+from worker.engine.kernels.folder import cache_folder, store
 
 
 def loaded(text: str, name: str) -> ModuleType:
@@ -17,20 +15,11 @@ def loaded(text: str, name: str) -> ModuleType:
     name = f"{name}_{hashlib.sha256(text.encode()).hexdigest()[:16]}"
     file = cache_folder() / "scenarios" / f"{name}.py"
     with suppress(OSError):
-        _write(file, text)
+        if not file.exists() or file.read_text(encoding="utf-8") != text:
+            store(file, text)
     linecache.cache[str(file)] = len(text), None, text.splitlines(keepends=True), str(file)
     # Cached compiled code stores the module name of its functions, which every later process must be able to import.
     module = ModuleType(__name__)
     module.__file__ = str(file)
     exec(compile(text, str(file), "exec", dont_inherit=True), vars(module))
     return module
-
-
-def _write(file: Path, text: str) -> None:
-    """Write the file atomically unless it exists: other processes may read or write it at the same time."""
-    if file.exists() and file.read_text(encoding="utf-8") == text:
-        return
-    file.parent.mkdir(parents=True, exist_ok=True)
-    draft = file.with_suffix(f".{os.getpid()}")
-    draft.write_text(text, encoding="utf-8")
-    draft.replace(file)

@@ -16,7 +16,7 @@ import numpy as np
 
 from worker.engine.search.base import Ended, Floats
 from worker.engine.search.parts.one_thread import one_thread
-from worker.engine.search.racing.state import Ints, compiled, inner
+from worker.engine.search.racing.state import Ints, compiled, constants, inner
 
 STEP = 1e-11
 """A strategy stops when its deviations are below this fraction of every range."""
@@ -124,17 +124,14 @@ def _state(start: Floats, deviation: float, population: int) -> State:
     better, worse = raw[:mu], raw[mu:]
     m = float(better.sum() ** 2 / (better**2).sum())
     negative = float(worse.sum() ** 2 / (worse**2).sum())
-    c_sigma = (m + 2) / (n + m + 5)
-    d_sigma = 1 + 2 * max(0.0, np.sqrt((m - 1) / (n + 1)) - 1) + c_sigma
-    c_c = (4 + m / n) / (n + 4 + 2 * m / n)
-    c_1 = 2 / ((n + 1.3) ** 2 + m)
-    c_mu = min(1 - c_1, 2 * (0.25 + m + 1 / m - 2) / ((n + 2) ** 2 + m))
+    rates = constants(n, m)
+    c_1, c_mu = rates[-2:]
     sum_of_negative = min(1 + c_1 / c_mu, 1 + 2 * negative / (m + 2), (1 - c_1 - c_mu) / (n * c_mu))
     weights = np.concatenate([better / better.sum(), worse * (sum_of_negative / np.abs(worse).sum())])
     return State(
         mean=np.array(start, dtype=np.float64), sigma=np.array([deviation]), path=np.zeros(n), walk=np.zeros(n),
         covariance=np.eye(n), factor=np.eye(n), normal=np.empty((population, n)), moved=np.empty((population, n)),
-        weights=weights, rates=np.array([m, c_sigma, d_sigma, c_c, c_1, c_mu]), counts=np.zeros(2, np.int64),
+        weights=weights, rates=np.array(rates), counts=np.zeros(2, np.int64),
         lowest=np.empty(512), middle=np.empty(512),
     )  # fmt: skip
 

@@ -83,17 +83,12 @@ class State(NamedTuple):
 
 
 def room(rows: int, n: int) -> State:
-    """An empty state for `rows` searchers of n parameters, with the constants of CMA-ES (Hansen 2016, table 1)."""
+    """An empty state for `rows` searchers of n parameters."""
     population = max(4 + int(3 * np.log(n)), 4)
     mu = population // 2
     weights = np.log(population / 2 + 0.5) - np.log(np.arange(1, mu + 1))
     weights /= weights.sum()
     m = 1.0 / float((weights**2).sum())
-    c_sigma = (m + 2) / (n + m + 5)
-    d_sigma = 1 + 2 * max(0.0, np.sqrt((m - 1) / (n + 1)) - 1) + c_sigma
-    c_c = (4 + m / n) / (n + 4 + 2 * m / n)
-    c_1 = 2 / ((n + 1.3) ** 2 + m)
-    c_mu = min(1 - c_1, 2 * (0.25 + m + 1 / m - 2) / ((n + 2) ** 2 + m))
     c = max(population, n + 1)
     return State(
         kind=np.zeros(rows, np.int64), stage=np.zeros(rows, np.int64), flat=np.zeros(rows, np.int64),
@@ -102,8 +97,17 @@ def room(rows: int, n: int) -> State:
         which=np.zeros((rows, c), np.int64), points=np.zeros((rows, c, n)), values=np.zeros((rows, c)),
         matrix=np.zeros((rows, n + 1, n)), factor=np.zeros((rows, n, n)), vectors=np.zeros((rows, 4, n)),
         order=np.zeros((rows, 2 * n + 1)), weights=weights,
-        rates=np.array([m, c_sigma, d_sigma, c_c, c_1, c_mu, population]),
+        rates=np.array([*constants(n, m), population]),
     )  # fmt: skip
+
+
+def constants(n: int, m: float) -> tuple[float, float, float, float, float, float]:
+    """mu_eff, c_sigma, d_sigma, c_c, c_1 and c_mu of CMA-ES for n parameters and mu_eff m (Hansen 2016, table 1)."""
+    c_sigma = (m + 2) / (n + m + 5)
+    d_sigma = 1 + 2 * max(0.0, np.sqrt((m - 1) / (n + 1)) - 1) + c_sigma
+    c_c = (4 + m / n) / (n + 4 + 2 * m / n)
+    c_1 = 2 / ((n + 1.3) ** 2 + m)
+    return m, c_sigma, d_sigma, c_c, c_1, min(1 - c_1, 2 * (0.25 + m + 1 / m - 2) / ((n + 2) ** 2 + m))
 
 
 def grown(s: State) -> State:

@@ -8,6 +8,7 @@ Dvoretzky-Kiefer-Wolfowitz inequality (Annals of Probability 18, 1990).
 from __future__ import annotations
 
 import math
+from bisect import bisect_left
 
 LEAST = 1e-12
 """A fraction so small is none: three trillion samples bound a quantile there, and a campaign has at most a billion."""
@@ -26,11 +27,7 @@ def bound(violations: int, samples: int, confidence: float) -> float:
 
 def allowed(samples: int, most: float, confidence: float) -> int:
     """The largest number of violations among `samples` for which `bound` is at most `most`; -1 if there is none."""
-    low, high = -1, samples
-    while high - low > 1:
-        middle = (low + high) // 2
-        low, high = (middle, high) if bound(middle, samples, confidence) <= most else (low, middle)
-    return low
+    return bisect_left(range(samples), True, key=lambda events: bound(events, samples, confidence) > most) - 1
 
 
 def order(samples: int, fraction: float, confidence: float) -> int:
@@ -40,11 +37,7 @@ def order(samples: int, fraction: float, confidence: float) -> int:
     """
     if samples == 0 or not 0.0 < fraction < 1.0:
         return 0
-    low, high = 0, samples + 1
-    while high - low > 1:
-        middle = (low + high) // 2
-        low, high = (middle, high) if confidence_of(middle, samples, fraction) >= confidence else (low, middle)
-    return low
+    return bisect_left(range(1, samples + 1), True, key=lambda r: confidence_of(r, samples, fraction) < confidence)
 
 
 def confidence_of(r: int, samples: int, fraction: float) -> float:

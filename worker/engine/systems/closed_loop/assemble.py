@@ -23,8 +23,7 @@ from worker.engine.kernels.layout import Parts, channels, sections, spans, state
 from worker.engine.kernels.scalars import quick
 from worker.engine.kernels.text.module import loaded
 from worker.engine.kernels.text.written import written
-
-Floats = NDArray[np.float64]
+from worker.engine.systems.base import Floats
 
 LANES = 16
 """The lane width. Measured: 16 makes a full batch 1.3 times faster than 8 and a single simulation 1.5 times slower;

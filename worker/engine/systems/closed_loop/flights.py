@@ -17,7 +17,7 @@ from campaigns.limits import TURN
 from campaigns.results.base import EXCLUDED, FAILED, OK
 from worker.engine.kernels import loop as closed_loop
 from worker.engine.search.base import Batch
-from worker.engine.systems.base import CampaignUnusable, Floats, Reasons, Result, Seeds
+from worker.engine.systems.base import CampaignUnusable, Floats, Reasons, Result, Seeds, with_values
 from worker.engine.systems.closed_loop.assemble import LANES, shared
 from worker.engine.systems.closed_loop.parts import Installed, nominal_of, parts_of, results_of
 from worker.engine.systems.closed_loop.realisations import Realisations
@@ -45,10 +45,7 @@ class Flights:
 
     def vector(self, values: Mapping[str, float]) -> Floats:
         """One flat parameter vector (size,) from values of any parameters by path; KeyError for an unknown one."""
-        vector = self.nominal.copy()
-        for path, value in values.items():
-            vector[self.paths[path]] = value
-        return vector
+        return with_values(self.nominal, self.paths, values)
 
     @cached_property
     def paths(self) -> dict[str, int]:

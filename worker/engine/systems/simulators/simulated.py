@@ -13,7 +13,7 @@ import numpy as np
 from campaigns.catalogue import SimulatorEntry
 from campaigns.results.base import OK
 from campaigns.results.scene import Scene
-from worker.engine.systems.base import Comparison, Confirmed, Floats, Parameter, Result, Slotted, System, indices
+from worker.engine.systems.base import Comparison, Confirmed, Floats, Parameter, Result, Slotted, with_values
 from worker.engine.systems.simulators.declared.columns import Column
 from worker.engine.systems.simulators.declared.simulator import Opening
 from worker.engine.systems.simulators.declared.unchanged import Unchanged
@@ -60,10 +60,7 @@ class Simulated(Slotted):
 
     def _vector(self, values: Mapping[str, float]) -> Floats:
         """The nominal vector with these values by path; raises KeyError."""
-        vector, at = self.nominal.copy(), indices(self.parameters)
-        for path, value in values.items():
-            vector[at[path]] = value
-        return vector
+        return with_values(self.nominal, self.names, values)
 
     def _by_path(self, vector: Floats) -> dict[str, float]:
         return {p.path: float(v) for p, v in zip(self.parameters, vector[: len(self.parameters)], strict=True)}
@@ -109,7 +106,7 @@ class Simulated(Slotted):
         return found
 
 
-def _again(fresh: System, vectors: Floats) -> list[Comparison]:
+def _again(fresh: Slotted, vectors: Floats) -> list[Comparison]:
     batch, reasons = fresh.evaluate(vectors)
     return [
         Comparison("again", FRESH, float(cost))

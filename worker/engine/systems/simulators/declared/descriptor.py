@@ -7,7 +7,7 @@ docs/your-own-simulator.md shows one.
 from __future__ import annotations
 
 import operator
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Literal, Self
@@ -24,6 +24,7 @@ from worker.engine.systems.simulators.declared.described import BadDescriptor, B
 from worker.engine.systems.simulators.declared.fmu_descriptor import FmuDescriptor
 from worker.engine.systems.simulators.declared.fmu_model import Unusable
 from worker.engine.systems.simulators.declared.folder import FILE, FOLDERS, folders
+from worker.engine.systems.simulators.declared.function import Output
 from worker.engine.systems.simulators.declared.scene import scene_of
 
 NAMES = "give lower-case letters from a to z, digits and underscores, beginning with a letter"
@@ -162,19 +163,17 @@ class DescribedProgram(Described):
                 for name, p in d.parameters.items()
                 if name != d.step
             ],
-            results=[
-                ResultEntry(
-                    name=name,
-                    title=r.title or name,
-                    quantity=r.quantity or name,
-                    unit=r.unit,
-                    worse=r.worse,
-                    text=r.text,
-                )
-                for name, r in d.results.items()
-            ],
+            results=result_entries(d.results),
             step=d.step,
         )
+
+
+def result_entries(results: Mapping[str, DescribedResult] | Mapping[str, Output]) -> list[ResultEntry]:
+    """How a campaign and the pages see the results of a program or a function."""
+    return [
+        ResultEntry(name=n, title=r.title or n, quantity=r.quantity or n, unit=r.unit, worse=r.worse, text=r.text)
+        for n, r in results.items()
+    ]
 
 
 LARGEST = 200_000

@@ -37,10 +37,11 @@ def watched() -> Iterator[Path]:
 
 def digest_of(folder: Path) -> str:
     """SHA-256 over all files below a folder, by relative path and content."""
-    return _digest((str(path.relative_to(folder)), path) for path in files_below(folder))
+    return digest_of_named((str(path.relative_to(folder)), path) for path in files_below(folder))
 
 
-def _digest(named: Iterable[tuple[str, Path]], begun: str = "") -> str:
+def digest_of_named(named: Iterable[tuple[str, Path]], begun: str = "") -> str:
+    """SHA-256 over a text and these files, by name and content."""
     sink = hashlib.sha256(begun.encode())
     for name, path in named:
         content = path.read_bytes()
@@ -54,12 +55,12 @@ def digest_of_place(place: Mapping[str, str]) -> str:
     it imports and reads besides; it identifies nothing (`unread`) if not all of that can be read."""
     folder, besides = _folder_of(place), reached_from(place)
     if folder is not None:
-        digest = _digest(_python_files(folder, ""))
+        digest = digest_of_named(_python_files(folder, ""))
     else:
         digest = hashlib.sha256(b"".join(path.read_bytes() for path in _within(place))).hexdigest()
     others = _outside(place, besides)
     if others or besides.packages:
-        digest = _digest(others.items(), "".join(f"{name};" for name in (digest, *sorted(besides.packages))))
+        digest = digest_of_named(others.items(), "".join(f"{name};" for name in (digest, *sorted(besides.packages))))
     return unread(digest) if besides.unknown else digest
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+import os
 import threading
 import time
 from collections.abc import Sequence
@@ -21,7 +22,7 @@ class Unchanged:
     change, too. Files that appear later are no part of it. Safe for threads."""
 
     def __init__(self, files: Sequence[Path]) -> None:
-        self._files = {path: (_mark(path), _content(path)) for path in files}
+        self._files = {path: (mark(path), _content(path)) for path in files}
         self._lock = threading.Lock()
         self._next = time.monotonic() + PAUSE
         self._changed = ""
@@ -41,9 +42,9 @@ class Unchanged:
         return self._changed
 
     def _looked(self) -> str:
-        for path, (mark, content) in self._files.items():
-            now = _mark(path)
-            if now == mark:
+        for path, (before, content) in self._files.items():
+            now = mark(path)
+            if now == before:
                 continue
             if _content(path) != content:
                 return f"{path.name} has changed since this run opened it; start the run again"
@@ -51,10 +52,10 @@ class Unchanged:
         return ""
 
 
-def _mark(path: Path) -> Mark | None:
-    """The mark of a file by which a change is noticed; None for a file that is gone."""
+def mark(path: str | Path) -> Mark | None:
+    """The mark of a file as it is now; None if it is gone."""
     try:
-        found = path.stat()
+        found = os.stat(path)
     except OSError:
         return None
     return found.st_mtime_ns, found.st_ctime_ns, found.st_size, found.st_ino

@@ -75,11 +75,6 @@ class SlotPool(Slots):
         self._thread = threading.Thread(target=self._loop, name="slots", daemon=True)
         self._thread.start()
 
-    @property
-    def idle(self) -> list[int]:
-        """Numbers of the slots without a process, which start when there is work."""
-        return list(self._vacant)
-
     def submit(self, request: Request) -> Future[Outcome]:
         future: Future[Outcome] = Future()
         with self._lock:

@@ -12,61 +12,55 @@ down_revision = None
 def upgrade() -> None:
     op.create_table(
         "campaigns",
-        sa.Column("digest", sa.String(length=64), nullable=False),
+        sa.Column("digest", sa.String(length=64), primary_key=True),
         sa.Column("name", sa.String(length=120), nullable=False),
         sa.Column("document", sa.JSON(), nullable=False),
         sa.Column("created", sa.Double(), nullable=False),
-        sa.PrimaryKeyConstraint("digest"),
     )
     op.create_table(
         "catalogue",
-        sa.Column("id", sa.Integer(), nullable=False),
+        sa.Column("id", sa.Integer(), primary_key=True),
         sa.Column("document", sa.JSON(), nullable=False),
         sa.Column("published", sa.Double(), nullable=False),
-        sa.PrimaryKeyConstraint("id"),
     )
     op.create_table(
         "login_links",
-        sa.Column("hash", sa.String(length=64), nullable=False),
+        sa.Column("hash", sa.String(length=64), primary_key=True),
         sa.Column("created", sa.Double(), nullable=False),
         sa.Column("expires", sa.Double(), nullable=False),
         sa.Column("used", sa.Double(), nullable=True),
-        sa.PrimaryKeyConstraint("hash"),
     )
     op.create_table(
         "sessions",
-        sa.Column("hash", sa.String(length=64), nullable=False),
+        sa.Column("hash", sa.String(length=64), primary_key=True),
         sa.Column("user", sa.String(length=64), nullable=False),
         sa.Column("created", sa.Double(), nullable=False),
         sa.Column("expires", sa.Double(), nullable=False),
-        sa.PrimaryKeyConstraint("hash"),
     )
     op.create_table(
         "tokens",
-        sa.Column("id", sa.Integer(), autoincrement=True, nullable=False),
+        sa.Column("id", sa.Integer(), autoincrement=True, primary_key=True),
         sa.Column("name", sa.String(length=64), nullable=False),
         sa.Column("hash", sa.String(length=64), nullable=False),
         sa.Column("created", sa.Double(), nullable=False),
         sa.Column("last_used", sa.Double(), nullable=True),
         sa.Column("revoked", sa.Double(), nullable=True),
-        sa.PrimaryKeyConstraint("id"),
         sa.UniqueConstraint("hash"),
         sa.UniqueConstraint("name"),
     )
     op.create_table(
         "workers",
-        sa.Column("name", sa.String(length=80), nullable=False),
+        sa.Column("name", sa.String(length=80), primary_key=True),
         sa.Column("host", sa.String(length=120), nullable=False),
         sa.Column("pid", sa.Integer(), nullable=False),
         sa.Column("started", sa.Double(), nullable=False),
         sa.Column("beat", sa.Double(), nullable=False),
         sa.Column("run_id", sa.Integer(), nullable=True),
-        sa.PrimaryKeyConstraint("name"),
     )
     op.create_table(
         "runs",
-        sa.Column("id", sa.Integer(), autoincrement=True, nullable=False),
-        sa.Column("campaign_digest", sa.String(length=64), nullable=False),
+        sa.Column("id", sa.Integer(), autoincrement=True, primary_key=True),
+        sa.Column("campaign_digest", sa.String(length=64), sa.ForeignKey("campaigns.digest"), nullable=False),
         sa.Column("name", sa.String(length=120), nullable=False),
         sa.Column("tags", sa.JSON(), nullable=False),
         sa.Column("owner", sa.String(length=64), nullable=False),
@@ -93,11 +87,6 @@ def upgrade() -> None:
         sa.Column("evaluations", sa.Integer(), nullable=False),
         sa.Column("planned", sa.Integer(), nullable=False),
         sa.Column("failed_evaluations", sa.Integer(), nullable=False),
-        sa.ForeignKeyConstraint(
-            ["campaign_digest"],
-            ["campaigns.digest"],
-        ),
-        sa.PrimaryKeyConstraint("id"),
     )
     with op.batch_alter_table("runs", schema=None) as batch_op:
         batch_op.create_index(batch_op.f("ix_runs_campaign_digest"), ["campaign_digest"], unique=False)
@@ -106,8 +95,8 @@ def upgrade() -> None:
 
     op.create_table(
         "findings",
-        sa.Column("run_id", sa.Integer(), nullable=False),
-        sa.Column("label", sa.String(length=8), nullable=False),
+        sa.Column("run_id", sa.Integer(), sa.ForeignKey("runs.id", ondelete="CASCADE"), primary_key=True),
+        sa.Column("label", sa.String(length=8), primary_key=True),
         sa.Column("cost", sa.Double(), nullable=False),
         sa.Column("margin", sa.Double(), nullable=False),
         sa.Column("parameters", sa.JSON(), nullable=False),
@@ -115,23 +104,19 @@ def upgrade() -> None:
         sa.Column("methods", sa.JSON(), nullable=False),
         sa.Column("at_bounds", sa.JSON(), nullable=False),
         sa.Column("validation", sa.JSON(), nullable=False),
-        sa.ForeignKeyConstraint(["run_id"], ["runs.id"], ondelete="CASCADE"),
-        sa.PrimaryKeyConstraint("run_id", "label"),
     )
     op.create_table(
         "idempotency_keys",
-        sa.Column("key", sa.String(length=128), nullable=False),
-        sa.Column("user", sa.String(length=64), nullable=False),
+        sa.Column("key", sa.String(length=128), primary_key=True),
+        sa.Column("user", sa.String(length=64), primary_key=True),
         sa.Column("body", sa.String(length=64), nullable=False),
-        sa.Column("run_id", sa.Integer(), nullable=False),
+        sa.Column("run_id", sa.Integer(), sa.ForeignKey("runs.id", ondelete="CASCADE"), nullable=False),
         sa.Column("created", sa.Double(), nullable=False),
-        sa.ForeignKeyConstraint(["run_id"], ["runs.id"], ondelete="CASCADE"),
-        sa.PrimaryKeyConstraint("key", "user"),
     )
     op.create_table(
         "stages",
-        sa.Column("run_id", sa.Integer(), nullable=False),
-        sa.Column("position", sa.Integer(), nullable=False),
+        sa.Column("run_id", sa.Integer(), sa.ForeignKey("runs.id", ondelete="CASCADE"), primary_key=True),
+        sa.Column("position", sa.Integer(), primary_key=True),
         sa.Column("kind", sa.String(length=20), nullable=False),
         sa.Column("method", sa.String(length=60), nullable=True),
         sa.Column("state", sa.String(length=12), nullable=False),
@@ -145,25 +130,21 @@ def upgrade() -> None:
         sa.Column("best_index", sa.Integer(), nullable=True),
         sa.Column("seconds", sa.Double(), nullable=False),
         sa.Column("result", sa.JSON(), nullable=True),
-        sa.ForeignKeyConstraint(["run_id"], ["runs.id"], ondelete="CASCADE"),
-        sa.PrimaryKeyConstraint("run_id", "position"),
     )
     op.create_table(
         "traces",
-        sa.Column("run_id", sa.Integer(), nullable=False),
-        sa.Column("name", sa.String(length=12), nullable=False),
+        sa.Column("run_id", sa.Integer(), sa.ForeignKey("runs.id", ondelete="CASCADE"), primary_key=True),
+        sa.Column("name", sa.String(length=12), primary_key=True),
         sa.Column("columns", sa.JSON(), nullable=False),
         sa.Column("rows", sa.Integer(), nullable=False),
         sa.Column("data", sa.LargeBinary(), nullable=False),
         sa.Column("meta", sa.JSON(), nullable=False),
-        sa.ForeignKeyConstraint(["run_id"], ["runs.id"], ondelete="CASCADE"),
-        sa.PrimaryKeyConstraint("run_id", "name"),
     )
     op.create_table(
         "evaluation_chunks",
-        sa.Column("run_id", sa.Integer(), nullable=False),
-        sa.Column("position", sa.Integer(), nullable=False),
-        sa.Column("first", sa.Integer(), nullable=False),
+        sa.Column("run_id", sa.Integer(), primary_key=True),
+        sa.Column("position", sa.Integer(), primary_key=True),
+        sa.Column("first", sa.Integer(), primary_key=True),
         sa.Column("count", sa.Integer(), nullable=False),
         sa.Column("points", sa.LargeBinary(), nullable=False),
         sa.Column("costs", sa.LargeBinary(), nullable=False),
@@ -171,5 +152,4 @@ def upgrade() -> None:
         sa.Column("seconds", sa.LargeBinary(), nullable=False),
         sa.Column("reasons", sa.JSON(), nullable=False),
         sa.ForeignKeyConstraint(["run_id", "position"], ["stages.run_id", "stages.position"], ondelete="CASCADE"),
-        sa.PrimaryKeyConstraint("run_id", "position", "first"),
     )

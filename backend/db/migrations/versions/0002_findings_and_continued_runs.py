@@ -10,8 +10,7 @@ down_revision = "0001"
 
 
 def upgrade() -> None:
-    with op.batch_alter_table("findings", schema=None) as batch_op:
-        batch_op.add_column(sa.Column("found", sa.JSON(), nullable=False, server_default="[]"))
+    op.add_column("findings", sa.Column("found", sa.JSON(), nullable=False, server_default="[]"))
     with op.batch_alter_table("runs", schema=None) as batch_op:
         batch_op.add_column(sa.Column("continues", sa.Integer(), nullable=True))
         batch_op.create_foreign_key("fk_runs_continues", "runs", ["continues"], ["id"])

@@ -8,21 +8,13 @@ from alembic import op
 revision = "0003"
 down_revision = "0002"
 
-LISTED = (
-    "pinned", "state", "verdict", "owner", "name", "campaign_digest", "tags", "created", "started", "finished",
-    "threshold", "nominal_cost", "worst_cost", "worst_method", "evaluations", "failed_evaluations", "upper_bound",
-)  # fmt: skip
-
 
 def upgrade() -> None:
-    with op.batch_alter_table("runs", schema=None) as batch_op:
-        batch_op.add_column(sa.Column("upper_bound", sa.Double(), nullable=True))
-        batch_op.add_column(sa.Column("best_so_far", sa.JSON(), nullable=False, server_default="[]"))
-        batch_op.add_column(sa.Column("pinned", sa.Boolean(), nullable=False, server_default=sa.false()))
-        batch_op.add_column(sa.Column("notes", sa.Text(), nullable=False, server_default=""))
+    op.add_column("runs", sa.Column("upper_bound", sa.Double(), nullable=True))
+    op.add_column("runs", sa.Column("best_so_far", sa.JSON(), nullable=False, server_default="[]"))
+    op.add_column("runs", sa.Column("pinned", sa.Boolean(), nullable=False, server_default=sa.false()))
+    op.add_column("runs", sa.Column("notes", sa.Text(), nullable=False, server_default=""))
     op.create_index("ix_campaigns_name", "campaigns", ["name", "digest"])
-    if op.get_bind().dialect.name == "sqlite":
-        op.create_index("ix_runs_list", "runs", list(LISTED))
     _bounds_of_earlier_runs()
 
 

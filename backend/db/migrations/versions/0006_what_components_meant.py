@@ -12,10 +12,9 @@ down_revision = "0005"
 def upgrade() -> None:
     op.create_table(
         "catalogue_snapshots",
-        sa.Column("digest", sa.String(length=64), nullable=False),
+        sa.Column("digest", sa.String(length=64), primary_key=True),
         sa.Column("document", sa.JSON(), nullable=False),
         sa.Column("created", sa.Double(), nullable=False),
-        sa.PrimaryKeyConstraint("digest"),
     )
     with op.batch_alter_table("runs", schema=None) as batch_op:
         batch_op.add_column(sa.Column("snapshot", sa.String(length=64), nullable=True))

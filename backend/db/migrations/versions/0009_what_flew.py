@@ -12,10 +12,9 @@ down_revision = "0008"
 def upgrade() -> None:
     op.create_table(
         "code_versions",
-        sa.Column("digest", sa.String(length=64), nullable=False),
+        sa.Column("digest", sa.String(length=64), primary_key=True),
         sa.Column("modules", sa.JSON(), nullable=False),
         sa.Column("created", sa.Double(), nullable=False),
-        sa.PrimaryKeyConstraint("digest"),
     )
     op.add_column("runs", sa.Column("flown", sa.JSON(), nullable=True))
     op.add_column("catalogue", sa.Column("code", sa.String(length=64), nullable=True))

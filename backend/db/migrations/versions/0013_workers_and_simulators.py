@@ -13,7 +13,5 @@ down_revision = "0012"
 
 
 def upgrade() -> None:
-    with op.batch_alter_table("workers") as batch:
-        batch.add_column(sa.Column("simulators", sa.JSON(), nullable=False, server_default="[]"))
-    with op.batch_alter_table("runs") as batch:
-        batch.add_column(sa.Column("needs", sa.String(160), nullable=True))
+    op.add_column("workers", sa.Column("simulators", sa.JSON(), nullable=False, server_default="[]"))
+    op.add_column("runs", sa.Column("needs", sa.String(160), nullable=True))

@@ -13,7 +13,5 @@ down_revision = "0013"
 
 
 def upgrade() -> None:
-    with op.batch_alter_table("workers") as batch:
-        batch.add_column(sa.Column("doing", sa.JSON(), nullable=True))
-    with op.batch_alter_table("catalogue") as batch:
-        batch.add_column(sa.Column("departed", sa.Double(), nullable=True))
+    op.add_column("workers", sa.Column("doing", sa.JSON(), nullable=True))
+    op.add_column("catalogue", sa.Column("departed", sa.Double(), nullable=True))

@@ -18,7 +18,7 @@ def upgrade() -> None:
     _fill(op.get_bind())
     op.create_table(
         "sweeps",
-        sa.Column("id", sa.Integer(), autoincrement=True, nullable=False),
+        sa.Column("id", sa.Integer(), autoincrement=True, primary_key=True),
         sa.Column("name", sa.String(120), nullable=False),
         sa.Column("campaign_name", sa.String(120), nullable=False),
         sa.Column("path", sa.String(120), nullable=False),
@@ -29,31 +29,26 @@ def upgrade() -> None:
         sa.Column("created", sa.Double(), nullable=False),
         sa.Column("key", sa.String(128), nullable=True),
         sa.Column("body", sa.String(64), nullable=False),
-        sa.PrimaryKeyConstraint("id"),
         sa.UniqueConstraint("owner", "key", name="uq_sweeps_key"),
     )
     op.create_table(
         "sweep_runs",
-        sa.Column("sweep_id", sa.Integer(), nullable=False),
-        sa.Column("position", sa.Integer(), nullable=False),
+        sa.Column("sweep_id", sa.Integer(), sa.ForeignKey("sweeps.id", ondelete="CASCADE"), primary_key=True),
+        sa.Column("position", sa.Integer(), primary_key=True),
         sa.Column("value", sa.Double(), nullable=False),
-        sa.Column("run_id", sa.Integer(), nullable=False),
-        sa.ForeignKeyConstraint(["sweep_id"], ["sweeps.id"], ondelete="CASCADE"),
-        sa.ForeignKeyConstraint(["run_id"], ["runs.id"]),
-        sa.PrimaryKeyConstraint("sweep_id", "position"),
+        sa.Column("run_id", sa.Integer(), sa.ForeignKey("runs.id"), nullable=False),
     )
     op.create_index("ix_sweep_runs_run_id", "sweep_runs", ["run_id"], unique=True)
     op.create_table(
         "webhook_targets",
-        sa.Column("id", sa.String(16), nullable=False),
+        sa.Column("id", sa.String(16), primary_key=True),
         sa.Column("since", sa.Double(), nullable=False),
-        sa.PrimaryKeyConstraint("id"),
     )
     op.create_table(
         "webhook_deliveries",
-        sa.Column("id", sa.String(40), nullable=False),
-        sa.Column("target", sa.String(16), nullable=False),
-        sa.Column("run_id", sa.Integer(), nullable=True),
+        sa.Column("id", sa.String(40), primary_key=True),
+        sa.Column("target", sa.String(16), sa.ForeignKey("webhook_targets.id"), nullable=False),
+        sa.Column("run_id", sa.Integer(), sa.ForeignKey("runs.id"), nullable=True),
         sa.Column("type", sa.String(40), nullable=False),
         sa.Column("body", sa.Text(), nullable=False),
         sa.Column("state", sa.String(12), nullable=False),
@@ -64,9 +59,6 @@ def upgrade() -> None:
         sa.Column("status", sa.Integer(), nullable=True),
         sa.Column("error", sa.Text(), nullable=True),
         sa.Column("delivered", sa.Double(), nullable=True),
-        sa.ForeignKeyConstraint(["target"], ["webhook_targets.id"]),
-        sa.ForeignKeyConstraint(["run_id"], ["runs.id"]),
-        sa.PrimaryKeyConstraint("id"),
         sa.UniqueConstraint("target", "run_id", name="uq_webhook_deliveries_run"),
     )
     op.create_index("ix_webhook_deliveries_created", "webhook_deliveries", ["created"])

@@ -26,53 +26,47 @@ _FIXED = "the audit trail is append-only"
 
 def upgrade() -> None:
     _users()
-    with op.batch_alter_table("tokens") as tokens:
-        tokens.add_column(sa.Column("owner", sa.String(64), nullable=False, server_default="local"))
-        tokens.add_column(sa.Column("scope", sa.String(8), nullable=False, server_default="admin"))
-        tokens.add_column(sa.Column("expires", sa.Double(), nullable=True))
-    with op.batch_alter_table("sessions") as sessions:
-        sessions.add_column(sa.Column("via", sa.String(12), nullable=False, server_default="link"))
-        sessions.add_column(sa.Column("agent", sa.String(200), nullable=False, server_default=""))
-        sessions.add_column(sa.Column("address", sa.String(64), nullable=False, server_default=""))
+    op.add_column("tokens", sa.Column("owner", sa.String(64), nullable=False, server_default="local"))
+    op.add_column("tokens", sa.Column("scope", sa.String(8), nullable=False, server_default="admin"))
+    op.add_column("tokens", sa.Column("expires", sa.Double(), nullable=True))
+    op.add_column("sessions", sa.Column("via", sa.String(12), nullable=False, server_default="link"))
+    op.add_column("sessions", sa.Column("agent", sa.String(200), nullable=False, server_default=""))
+    op.add_column("sessions", sa.Column("address", sa.String(64), nullable=False, server_default=""))
     _chain()
 
 
 def _users() -> None:
     users = op.create_table(
         "users",
-        sa.Column("name", sa.String(64), nullable=False),
+        sa.Column("name", sa.String(64), primary_key=True),
         sa.Column("role", sa.String(12), nullable=False),
         sa.Column("password", sa.String(200), nullable=True),
         sa.Column("created", sa.Double(), nullable=False),
         sa.Column("created_by", sa.String(64), nullable=False),
         sa.Column("joined", sa.Double(), nullable=True),
         sa.Column("disabled", sa.Double(), nullable=True),
-        sa.PrimaryKeyConstraint("name"),
     )
     op.bulk_insert(users, [{"name": "local", "role": "admin", "created": time.time(), "created_by": "local"}])
     op.create_table(
         "invitations",
-        sa.Column("hash", sa.String(64), nullable=False),
+        sa.Column("hash", sa.String(64), primary_key=True),
         sa.Column("user", sa.String(64), nullable=False),
         sa.Column("created", sa.Double(), nullable=False),
         sa.Column("created_by", sa.String(64), nullable=False),
         sa.Column("expires", sa.Double(), nullable=False),
         sa.Column("used", sa.Double(), nullable=True),
-        sa.PrimaryKeyConstraint("hash"),
     )
     op.create_index("ix_invitations_user", "invitations", ["user"])
     op.create_table(
         "service_settings",
-        sa.Column("key", sa.String(40), nullable=False),
+        sa.Column("key", sa.String(40), primary_key=True),
         sa.Column("value", sa.JSON(), nullable=False),
-        sa.PrimaryKeyConstraint("key"),
     )
 
 
 def _chain() -> None:
-    with op.batch_alter_table("audit") as audit:
-        audit.add_column(sa.Column("previous", sa.String(64), nullable=True))
-        audit.add_column(sa.Column("hash", sa.String(64), nullable=True))
+    op.add_column("audit", sa.Column("previous", sa.String(64), nullable=True))
+    op.add_column("audit", sa.Column("hash", sa.String(64), nullable=True))
     connection, last, before = op.get_bind(), 0, FIRST
     for row in connection.execute(sa.select(_AUDIT).order_by(_AUDIT.c.id)).mappings().all():
         values = {**row, "previous": before}
@@ -86,10 +80,9 @@ def _chain() -> None:
         audit.create_index("ix_audit_action", ["action"])
     head = op.create_table(
         "audit_head",
-        sa.Column("id", sa.Integer(), autoincrement=False, nullable=False),
+        sa.Column("id", sa.Integer(), autoincrement=False, primary_key=True),
         sa.Column("row", sa.Integer(), nullable=False),
         sa.Column("hash", sa.String(64), nullable=False),
-        sa.PrimaryKeyConstraint("id"),
     )
     op.bulk_insert(head, [{"id": 1, "row": last, "hash": before}])
     _fix()

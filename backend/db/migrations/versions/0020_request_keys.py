@@ -27,14 +27,13 @@ _NEW = sa.table(
 def upgrade() -> None:
     op.create_table(
         "request_keys",
-        sa.Column("user", sa.String(64), nullable=False),
-        sa.Column("operation", sa.String(20), nullable=False),
-        sa.Column("key", sa.String(128), nullable=False),
+        sa.Column("user", sa.String(64), primary_key=True),
+        sa.Column("operation", sa.String(20), primary_key=True),
+        sa.Column("key", sa.String(128), primary_key=True),
         sa.Column("body", sa.String(64), nullable=False),
         sa.Column("made", sa.String(300), nullable=False),
         sa.Column("answer", sa.LargeBinary(), nullable=True),
         sa.Column("created", sa.Double(), nullable=False),
-        sa.PrimaryKeyConstraint("user", "operation", "key"),
     )
     op.create_index("ix_request_keys_created", "request_keys", ["user", "created"])
     connection = op.get_bind()
@@ -49,16 +48,13 @@ def upgrade() -> None:
         batch.drop_column("body")
     op.create_table(
         "run_sources",
-        sa.Column("run_id", sa.Integer(), nullable=False),
+        sa.Column("run_id", sa.Integer(), sa.ForeignKey("runs.id", ondelete="CASCADE"), primary_key=True),
         sa.Column("document", sa.JSON(), nullable=False),
-        sa.ForeignKeyConstraint(["run_id"], ["runs.id"], ondelete="CASCADE"),
-        sa.PrimaryKeyConstraint("run_id"),
     )
     op.create_table(
         "source_texts",
-        sa.Column("digest", sa.String(64), nullable=False),
+        sa.Column("digest", sa.String(64), primary_key=True),
         sa.Column("content", sa.LargeBinary(), nullable=False),
-        sa.PrimaryKeyConstraint("digest"),
     )
 
 

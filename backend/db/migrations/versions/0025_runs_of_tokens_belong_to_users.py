@@ -11,19 +11,11 @@ from alembic import op
 revision = "0025"
 down_revision = "0024"
 
-LISTED = (
-    "pinned", "state", "verdict", "owner", "name", "campaign_digest", "tags", "created", "started", "finished",
-    "threshold", "nominal_cost", "worst_cost", "worst_method", "evaluations", "failed_evaluations", "upper_bound",
-    "removed", "token",
-)  # fmt: skip
 _TOKENS = sa.table("tokens", sa.column("name"), sa.column("owner"))
 _USERS = sa.table("users", sa.column("name"))
 
 
 def upgrade() -> None:
-    listed = op.get_bind().dialect.name == "sqlite"  # see 0007
-    if listed:
-        op.drop_index("ix_runs_list", "runs")
     for name in ("runs", "sweeps"):
         op.add_column(name, sa.Column("token", sa.String(64), nullable=True))
         table = sa.table(name, sa.column("owner"), sa.column("token"))
@@ -38,8 +30,6 @@ def upgrade() -> None:
     signoffs = sa.table("signoffs", sa.column("user"), sa.column("account"))
     found = sa.func.coalesce(_user(signoffs.c.user).scalar_subquery(), signoffs.c.user)
     op.execute(sa.update(signoffs).values(account=found))
-    if listed:
-        op.create_index("ix_runs_list", "runs", list(LISTED))
 
 
 def _user(name: sa.ColumnElement[str]) -> sa.Select[str]:

@@ -16,8 +16,8 @@ LISTED = (
 
 
 def upgrade() -> None:
-    if op.get_bind().dialect.name != "sqlite":  # see 0007
+    if op.get_bind().dialect.name != "sqlite":  # where the run list reads it instead of the wide rows
         return
-    op.drop_index("ix_runs_list", "runs")
+    op.drop_index("ix_runs_list", "runs", if_exists=True)  # of databases that were made before this revision
     op.create_index("ix_runs_list", "runs", LISTED, sqlite_where=sa.text("removed IS NULL"))
     op.create_index("ix_runs_removed", "runs", ["purged", "removed"], sqlite_where=sa.text("removed IS NOT NULL"))

@@ -22,8 +22,6 @@ _UNASKED = {
 _CAMPAIGNS = sa.table(
     "campaigns", sa.column("digest", sa.String), sa.column("document", sa.JSON), sa.column("question", sa.String)
 )
-_RUNS = sa.table("runs", sa.column("id", sa.Integer), sa.column("campaign_digest", sa.String))
-_REQUIREMENTS = sa.table("run_requirements", sa.column("run_id", sa.Integer), sa.column("question", sa.String))
 
 
 def upgrade() -> None:
@@ -32,8 +30,6 @@ def upgrade() -> None:
         mine = _CAMPAIGNS.c.digest == digest
         asked = _question(connection.scalar(sa.select(_CAMPAIGNS.c.document).where(mine)) or {})
         connection.execute(sa.update(_CAMPAIGNS).where(mine).values(question=asked))
-        runs = sa.select(_RUNS.c.id).where(_RUNS.c.campaign_digest == digest)
-        connection.execute(sa.update(_REQUIREMENTS).where(_REQUIREMENTS.c.run_id.in_(runs)).values(question=asked))
 
 
 def _question(document: Mapping[str, Any]) -> str:

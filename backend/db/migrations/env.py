@@ -3,8 +3,6 @@
 SQLite cannot alter most of a table; batch mode rebuilds it instead (Alembic, "Running Batch Migrations for SQLite").
 """
 
-from __future__ import annotations
-
 from alembic import context
 
 from backend.db.tables import Base

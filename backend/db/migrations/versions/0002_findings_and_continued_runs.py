@@ -1,7 +1,5 @@
 """which stages found what after how many evaluations; runs that continue another"""
 
-from __future__ import annotations
-
 import sqlalchemy as sa
 from alembic import op
 

@@ -1,7 +1,5 @@
 """what people write on runs, and what the list shows and searches without reading the wide rows"""
 
-from __future__ import annotations
-
 import sqlalchemy as sa
 from alembic import op
 

@@ -1,7 +1,5 @@
 """drafts of campaigns"""
 
-from __future__ import annotations
-
 import sqlalchemy as sa
 from alembic import op
 

@@ -1,7 +1,5 @@
 """runs keep what their components meant; earlier runs have nothing to keep"""
 
-from __future__ import annotations
-
 import sqlalchemy as sa
 from alembic import op
 

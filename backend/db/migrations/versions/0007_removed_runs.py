@@ -1,7 +1,5 @@
 """runs that were removed, and what stays of those that were purged"""
 
-from __future__ import annotations
-
 import sqlalchemy as sa
 from alembic import op
 

@@ -1,7 +1,5 @@
 """the texts that campaigns were submitted as"""
 
-from __future__ import annotations
-
 import sqlalchemy as sa
 from alembic import op
 

@@ -1,7 +1,5 @@
 """what flew a run, stored as its first stage begins; the code that workers publish; earlier runs have nothing stored"""
 
-from __future__ import annotations
-
 import sqlalchemy as sa
 from alembic import op
 

@@ -1,7 +1,5 @@
 """results as types: a finding holds all its own evidence, every stage's result names its stage"""
 
-from __future__ import annotations
-
 import sqlalchemy as sa
 from alembic import op
 

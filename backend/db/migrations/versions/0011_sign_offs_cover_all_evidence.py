@@ -4,8 +4,6 @@ A sign-off whose digest was that of the results is bound to the digest that cove
 changed stays as it is.
 """
 
-from __future__ import annotations
-
 import sqlalchemy as sa
 from alembic import op
 

@@ -1,7 +1,5 @@
 """evaluations that slots completed before an earlier one of their stage"""
 
-from __future__ import annotations
-
 import sqlalchemy as sa
 from alembic import op
 

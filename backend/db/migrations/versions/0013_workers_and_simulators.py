@@ -3,8 +3,6 @@
 Runs of before need nothing: any worker may claim them, as until now.
 """
 
-from __future__ import annotations
-
 import sqlalchemy as sa
 from alembic import op
 

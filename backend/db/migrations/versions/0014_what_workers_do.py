@@ -3,8 +3,6 @@
 The row of a worker that stops in an orderly way is deleted; the pages say when one was last seen all the same.
 """
 
-from __future__ import annotations
-
 import sqlalchemy as sa
 from alembic import op
 

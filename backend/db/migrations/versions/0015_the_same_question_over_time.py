@@ -1,7 +1,5 @@
 """the same question over time: campaigns without their seed, sweeps, webhooks"""
 
-from __future__ import annotations
-
 import hashlib
 import json
 

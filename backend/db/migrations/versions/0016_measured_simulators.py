@@ -1,7 +1,5 @@
 """what `clearance check-simulator` measured of simulators"""
 
-from __future__ import annotations
-
 import sqlalchemy as sa
 from alembic import op
 

@@ -1,7 +1,5 @@
 """labels of runs, and the baselines that they were launched with"""
 
-from __future__ import annotations
-
 import sqlalchemy as sa
 from alembic import op
 

@@ -4,8 +4,6 @@ The user `local` of the login link becomes an administrator, and the owner of al
 The chain includes the rows that exist now: it proves nothing about the time before this migration.
 """
 
-from __future__ import annotations
-
 import time
 
 import sqlalchemy as sa

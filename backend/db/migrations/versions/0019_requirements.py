@@ -3,8 +3,6 @@
 Campaigns of earlier versions state no requirement, so runs that exist now have none.
 """
 
-from __future__ import annotations
-
 import sqlalchemy as sa
 from alembic import op
 

@@ -4,8 +4,6 @@ A request that was sent before the migration and is repeated after it returns th
 before have no stored sources.
 """
 
-from __future__ import annotations
-
 from typing import Any
 
 import sqlalchemy as sa

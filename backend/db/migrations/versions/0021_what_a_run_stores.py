@@ -3,8 +3,6 @@
 Counted of the runs that are there: campaign, evaluations with their reasons, traces, original text. Purged runs have 0.
 """
 
-from __future__ import annotations
-
 import sqlalchemy as sa
 from alembic import op
 

@@ -1,7 +1,5 @@
 """runs that wait for the code that began them, and runs that begin with another run's evaluations"""
 
-from __future__ import annotations
-
 import sqlalchemy as sa
 from alembic import op
 

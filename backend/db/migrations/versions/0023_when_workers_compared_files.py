@@ -1,7 +1,5 @@
 """when a worker last compared its files with what it has published"""
 
-from __future__ import annotations
-
 import sqlalchemy as sa
 from alembic import op
 

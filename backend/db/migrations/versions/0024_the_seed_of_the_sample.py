@@ -1,7 +1,5 @@
 """the seed of a run's independent sample, drawn at its launch, and a column for the question of a campaign (0032)"""
 
-from __future__ import annotations
-
 import sqlalchemy as sa
 from alembic import op
 

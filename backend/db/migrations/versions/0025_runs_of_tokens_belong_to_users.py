@@ -3,8 +3,6 @@
 What a token did whose user is not known stays under the token's name.
 """
 
-from __future__ import annotations
-
 import sqlalchemy as sa
 from alembic import op
 

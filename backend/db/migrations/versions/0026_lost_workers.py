@@ -1,7 +1,5 @@
 """workers that a run has lost since its last result are counted apart from its failed attempts; workers are drained"""
 
-from __future__ import annotations
-
 import sqlalchemy as sa
 from alembic import op
 

@@ -1,7 +1,5 @@
 """the index of the run list is in its order, without removed runs"""
 
-from __future__ import annotations
-
 import sqlalchemy as sa
 from alembic import op
 

@@ -1,7 +1,5 @@
 """when a run last stored an evaluation, so that one that stands still is known at once"""
 
-from __future__ import annotations
-
 import sqlalchemy as sa
 from alembic import op
 

@@ -1,7 +1,5 @@
 """the counts of the whole run list are read from an index of their own"""
 
-from __future__ import annotations
-
 import sqlalchemy as sa
 from alembic import op
 

@@ -1,7 +1,5 @@
 """which workers begin no run because their disk is short, so that a run that waits for them says so"""
 
-from __future__ import annotations
-
 import sqlalchemy as sa
 from alembic import op
 

@@ -1,7 +1,5 @@
 """samples of which only a part is stored: the blocks of one under way, and how many are only counted"""
 
-from __future__ import annotations
-
 import sqlalchemy as sa
 from alembic import op
 

@@ -1,7 +1,5 @@
 """the question that a campaign asks, without distributions, correlations, and repeated calls or realisations"""
 
-from __future__ import annotations
-
 import hashlib
 import json
 from collections.abc import Mapping

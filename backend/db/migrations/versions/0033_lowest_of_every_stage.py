@@ -1,7 +1,5 @@
 """the lowest value of a run without a verdict is that of every stage, not of its searches alone"""
 
-from __future__ import annotations
-
 import sqlalchemy as sa
 from alembic import op
 

@@ -1,7 +1,5 @@
 """without `runs.cancel`, which nothing reads: the state of a run says that it is cancelled, or is to be"""
 
-from __future__ import annotations
-
 from alembic import op
 
 revision = "0034"

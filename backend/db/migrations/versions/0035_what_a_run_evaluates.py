@@ -1,7 +1,5 @@
 """the question of every run: what it evaluates within which bounds, however its campaign states it"""
 
-from __future__ import annotations
-
 import sqlalchemy as sa
 from alembic import op
 from pydantic import ValidationError

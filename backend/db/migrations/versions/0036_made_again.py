@@ -1,7 +1,5 @@
 """the lowest value that validation saw in evaluations made again, which no stage stores"""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping
 from typing import Any
 

@@ -26,7 +26,7 @@ from backend.db import users
 from backend.db.access import Visitor
 from backend.db.roles import has_role, has_scope
 from backend.http import forms, pages
-from backend.http.errors import RefusedError, respond
+from backend.http.errors import RefusedError, refuse
 
 SAFE = frozenset({"GET", "HEAD", "OPTIONS"})
 
@@ -47,7 +47,7 @@ class Guard:
         connection, rule = HTTPConnection(scope), rules.of(scope)
         if rule.role is None:
             foreign = _foreign(scope, required=False)
-            await (self.app if foreign is None else respond(foreign, scope["path"]))(scope, receive, send)
+            await (self.app if foreign is None else partial(refuse, foreign, scope["path"]))(scope, receive, send)
             return
         voucher = await self._voucher(scope, connection, rule)
         visitor = await self.door.visitor(connection) if voucher is None else voucher.visitor
@@ -59,16 +59,13 @@ class Guard:
             scope.setdefault("state", {}).update(visitor=visitor, still=still, too_many=too_many)
             with self._open.entered(visitor):
                 await self.app(scope, receive, send)
-        elif scope["type"] == "websocket":
-            await receive()  # the handshake; closing before accepting it responds with 403
-            await send({"type": "websocket.close", "code": 1008, "reason": refused.kind})
-        elif refused.status == 401 and pages.wants_page(connection.headers):
+        elif scope["type"] == "http" and refused.status == 401 and pages.wants_page(connection.headers):
             passwords = await self.door.ask(users.with_passwords)
             provider = scope["app"].state.settings.oidc_name_shown
             page = forms.sign_in(401, passwords, forms.address_of(scope), provider=provider)
             await page(scope, receive, send)
         else:
-            await respond(refused, scope["path"])(scope, receive, send)
+            await refuse(refused, scope["path"], scope, receive, send)
 
     async def _voucher(self, scope: Scope, connection: HTTPConnection, rule: Rule) -> Voucher | None:
         """Who opened the frame that a request comes from; never found by a cookie, which such a frame does not send."""

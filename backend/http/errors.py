@@ -7,7 +7,6 @@ module converts all errors to the same form.
 from __future__ import annotations
 
 import http
-import logging
 import operator
 from collections.abc import Callable, Iterable, Mapping
 from functools import partial
@@ -20,6 +19,7 @@ from fastapi.responses import JSONResponse
 from pydantic import Field
 from pydantic_core import ErrorDetails
 from starlette.exceptions import HTTPException
+from starlette.types import Receive, Scope, Send
 
 from backend.db.access import AccessError
 from backend.db.outages import worded
@@ -30,7 +30,6 @@ from campaigns.asked.problem import LONGEST, MOST, shown
 
 MEDIA_TYPE = "application/problem+json"
 _URN = "urn:clearance:problem:"
-_log = logging.getLogger(__name__)
 
 
 class ProblemError(Schema):
@@ -232,6 +231,15 @@ def respond(refused: RefusedError, path: str) -> JSONResponse:
         errors=errors,
     )
     return JSONResponse(document.model_dump(), refused.status, dict(refused.headers or {}), MEDIA_TYPE)
+
+
+async def refuse(refused: RefusedError, path: str, scope: Scope, receive: Receive, send: Send) -> None:
+    """Answer a request of a middleware; a socket is closed before it is accepted, which is answered with 403."""
+    if scope["type"] == "websocket":
+        await receive()  # the handshake
+        await send({"type": "websocket.close", "code": 1008, "reason": refused.kind})
+    else:
+        await respond(refused, path)(scope, receive, send)
 
 
 def _text(text: str) -> str:

@@ -9,7 +9,7 @@ import urllib.parse
 
 from starlette.types import ASGIApp, Receive, Scope, Send
 
-from backend.http.errors import RefusedError, respond
+from backend.http.errors import RefusedError, refuse
 from backend.middleware.hosts import Hosts
 
 LONGEST = 16_000
@@ -31,11 +31,8 @@ class Edge:
             refused = _refusal(scope)
         if refused is None:
             await self.app(scope, receive, send)
-        elif scope["type"] == "websocket":
-            await receive()
-            await send({"type": "websocket.close", "code": 1008, "reason": refused.kind})
         else:
-            await respond(refused, scope["path"][:200].replace("\0", "\\0"))(scope, receive, send)
+            await refuse(refused, scope["path"][:200].replace("\0", "\\0"), scope, receive, send)
 
 
 def _refusal(scope: Scope) -> RefusedError | None:

@@ -9,7 +9,7 @@ from collections import Counter
 
 from starlette.types import ASGIApp, Receive, Scope, Send
 
-from backend.http.errors import RefusedError, respond
+from backend.http.errors import RefusedError, refuse
 from backend.http.networks import network
 from backend.middleware.hosts import HEALTH
 
@@ -26,7 +26,9 @@ class Visits:
             return
         address = network(scope["client"][0])
         if self._open[address] >= self.each:
-            await self._refuse(scope, receive, send)
+            detail = f"{self.each} requests of your address are open, which is the limit: wait for one to end"
+            refused = RefusedError("busy", detail, headers={"Retry-After": "5"})
+            await refuse(refused, scope["path"], scope, receive, send)
             return
         self._open[address] += 1
         try:
@@ -35,12 +37,3 @@ class Visits:
             self._open[address] -= 1
             if not self._open[address]:
                 del self._open[address]
-
-    async def _refuse(self, scope: Scope, receive: Receive, send: Send) -> None:
-        if scope["type"] == "websocket":
-            await receive()
-            await send({"type": "websocket.close", "code": 1008, "reason": "busy"})
-            return
-        detail = f"{self.each} requests of your address are open, which is the limit: wait for one to end"
-        refused = RefusedError("busy", detail, headers={"Retry-After": "5"})
-        await respond(refused, scope["path"])(scope, receive, send)

@@ -124,7 +124,8 @@ def _prepared(engine: sa.Engine) -> Restored:
     """Invalidate, in a restored database of any version, what may have ended since the backup was made."""
     try:
         with engine.begin() as writer:
-            writer.exec_driver_sql(_other_claims())
+            # A worker that was cut off must not hold the claim of one that claims the same run after the restore.
+            writer.exec_driver_sql(f"update runs set fence = fence + {1000 + secrets.randbelow(100_000)}")
             tables = sa.inspect(writer).get_table_names()
             for table, which in (("sessions", ""), ("login_links", ""), ("invitations", " where used is null")):
                 if table in tables:
@@ -140,12 +141,6 @@ def _prepared(engine: sa.Engine) -> Restored:
             return Restored(names.get("tokens", []), names.get("users", []))
     finally:
         engine.dispose()
-
-
-def _other_claims() -> str:
-    """Raises all fences by a random number: a worker that was cut off must not hold the claim of one that claims the
-    same run after the restore."""
-    return f"update runs set fence = fence + {1000 + secrets.randbelow(100_000)}"
 
 
 def _copy_sqlite(source: Path, part: Path) -> None:

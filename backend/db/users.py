@@ -153,9 +153,7 @@ def set_disabled(writer: sa.Connection, name: str, disabled: bool) -> None:
 def own_sign_offs(reader: sa.Connection) -> bool:
     """Whether users may sign off runs that they launched. By default only while `local` is the only user."""
     stored = stored_own_sign_offs(reader)
-    if stored is not None:
-        return stored
-    return only_local(reader)
+    return only_local(reader) if stored is None else stored
 
 
 def only_local(reader: sa.Connection) -> bool:

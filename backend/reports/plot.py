@@ -16,8 +16,6 @@ from campaigns.claims.numbers import fixed, plain
 
 INK, INK2, INK3, GRID, AXIS = "#15202b", "#435061", "#5d6a7b", "#e9ecf0", "#8793a1"
 NOMINAL, WORST, OBSTACLE, BAD = "#77838f", "#d55e00", "#0072b2", "#a33c00"
-SIZE = 9.5
-"""Font size [px at 96 dpi], 7.1 pt in print."""
 
 Point = tuple[float, float]
 

@@ -186,20 +186,10 @@ async def runs(
 
     q: words in the name, campaign, tags, owner or number. label: KEY=VALUE. sort: as in the list, such as -created.
     """
-    request = functools.partial(
-        calls.run_page,
-        q=q,
-        state=state,
-        verdict=verdict,
-        tag=tag,
-        campaign=campaign,
-        owner=owner,
-        label=label,
-        sort=sort,
-    )
+    chosen = {"state": state, "verdict": verdict, "tag": tag, "campaign": campaign, "owner": owner, "label": label}
     cursor: str | None = None
     while True:
-        page = await ask(session, request(cursor=cursor, limit=200))
+        page = await ask(session, calls.run_page(q=q, sort=sort, cursor=cursor, limit=200, **chosen))
         for item in page.items:
             yield item
         cursor = page.next_cursor

@@ -1,7 +1,5 @@
 """The command `clearance`, also `python -m clearance`: readies its process, then `clearance.cli` takes over."""
 
-from __future__ import annotations
-
 from worker.running.processes import blas as blas  # first: before numpy is loaded
 
 # isort: split

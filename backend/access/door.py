@@ -70,8 +70,7 @@ class Door:
         await self.inspected("health", self._well)
 
     async def inspected(self, name: str, question: Callable[[sa.Engine], Result]) -> Result:
-        """Ask for the health check, which is answered however many requests there are: all that wait under one name
-        get the answer of one question."""
+        """For the health check, which is always answered: all that wait under one name get one question's answer."""
         task = self._under_way.get(name)
         if task is None or task.done():
             task = asyncio.ensure_future(to_thread.run_sync(question, self._engine, limiter=self._health))

@@ -95,7 +95,6 @@ async def _once(request: Request, engine: Engine, visitor: CurrentVisitor, key: 
 
 
 def _digest(request: Request, body: bytes) -> str:
-    """The digest of all that an operation depends on: the path parameters, the query, the body."""
     head = json.dumps([request.path_params, request.url.query], sort_keys=True)
     return hashlib.sha256(head.encode() + b"\0" + body).hexdigest()
 

@@ -59,8 +59,7 @@ class Pace:
 
 
 def _evaluation(reader: sa.Connection, campaign: Campaign) -> float | None:
-    """The mean time of an evaluation in earlier runs with the same components [s], in proportion to its number of
-    steps; None for simulators."""
+    """Mean time of an evaluation of these components in earlier runs [s], scaled by its steps; None for simulators."""
     if campaign.scenario is None:
         return None
     stored = CampaignRow.document["scenario"]

@@ -36,8 +36,7 @@ NO_CATALOGUE = (
 
 
 def published(reader: sa.Connection) -> Catalogue | None:
-    """The catalogue of the newest worker; None if no worker has started, or if that worker is of another version and
-    its catalogue has a form that this version cannot read."""
+    """The catalogue of the newest worker; None if none has started, or if this version cannot read it."""
     found = _found(_stored(reader))
     return found if isinstance(found, Catalogue) else None
 
@@ -174,7 +173,6 @@ def checked(reader: sa.Connection, campaign: Campaign | CampaignError) -> Checke
 
 
 def _predicted(campaign: Campaign, catalogue: Catalogue) -> PredictedBound | None:
-    """What the sample can show at best."""
     found = prediction.predicted(campaign, catalogue)
     if found is None:
         return None

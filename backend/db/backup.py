@@ -257,7 +257,6 @@ def _replace_tables(url: str, file: Path) -> None:
 
 
 def _tool(url: str, name: str, *words: str) -> None:
-    """Run a program of PostgreSQL's."""
     command, environment = _command(url, name, *words)
     done = subprocess.run(command, env=environment, capture_output=True, text=True, check=False)
     _refuse_failed(name, done.returncode, done.stderr)

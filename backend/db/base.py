@@ -1,7 +1,5 @@
 """The declarative base of all tables, with the column types of their Python types."""
 
-from __future__ import annotations
-
 from enum import Enum
 from typing import Any
 

@@ -276,8 +276,7 @@ class Queue:
             self._release(connection, claim)
 
     def put_off(self, claim: Claim, why: str, delay: float) -> None:
-        """Release the run because the database could not be used, for another attempt after a pause [s]; this one does
-        not count."""
+        """Release the run, the database being unusable, for an attempt after `delay` [s]; this one does not count."""
         with self.engine.begin() as connection:
             self._release(connection, claim, error=storable(f"Put off: {why}."), not_before=now(connection) + delay)
 

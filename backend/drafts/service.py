@@ -101,8 +101,7 @@ def replace(engine: sa.Engine, draft_id: int, new: DraftReplace, visitor: Visito
 
 
 def delete(engine: sa.Engine, draft_id: int, version: int | None, visitor: Visitor, match: str | None = None) -> None:
-    """Delete a draft; 404 if there is none, 403 if it is another user's, 409 if `version` is not the newest, 412 if
-    `match` (If-Match) is not its tag."""
+    """Delete a draft; raises as `replace` does, 409 if `version` is not the newest."""
     with engine.begin() as writer:
         writer.execute(sa.select(Row.id).where(Row.id == draft_id).with_for_update())
         draft = one(writer, draft_id)

@@ -22,14 +22,11 @@ def readable(what: str, reader: sa.Connection | None = None, run_id: int | None 
     try:
         yield
     except ValidationError:
-        ran = None if reader is None else _executed_by(reader, run_id)
+        executed_by = sa.select(Run.flown["clearance"].as_string()).where(Run.id == run_id)
+        ran = None if reader is None else reader.scalar(executed_by)
         known = f" (version {ran} executed the run)" if ran else ""
         detail = (
             f"{what} cannot be read by this version, {VERSION}: another version of Clearance stored it, or it is "
             f"damaged{known}. Read it with the version that stored it, or restore a backup of the database"
         )
         raise RefusedError("other-version", detail) from None
-
-
-def _executed_by(reader: sa.Connection, run_id: int | None) -> str | None:
-    return reader.scalar(sa.select(Run.flown["clearance"].as_string()).where(Run.id == run_id))

@@ -257,7 +257,6 @@ class BoundedProtocol(H11Protocol):
         self.transport.close()
 
     def _document(self, status: int, detail: str) -> tuple[dict[str, str], bytes]:
-        """Headers and body of a problem document."""
         name, title = _KINDS[status]
         kind = f"urn:clearance:problem:{name}"
         body = json.dumps({"type": kind, "title": title, "status": status, "detail": detail}).encode()

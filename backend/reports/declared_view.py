@@ -70,8 +70,7 @@ def drawn(scene: Scene, head: TraceHead, data: Data) -> tuple[TraceHead, dict[st
 
 
 def _plane(scene: Scene) -> _Plane:
-    """The plane of the picture: from the side if no second coordinate is a column but a third one is, else from
-    above."""
+    """The picture's plane: from the side if no second coordinate is a column but a third one is, else from above."""
     moving = [scene.vehicle.position, *(body.position for body in scene.bodies)]
     down = scene.frame == "z_down"
     if not any(isinstance(p[1], str) for p in moving) and any(isinstance(c, str) for p in moving for c in p[2:]):

@@ -22,8 +22,7 @@ def printed(run: str, digest: str) -> str:
 
 
 def searched(reader: sa.Connection, words: str) -> tuple[str, str]:
-    """Search words with the run in place of a report's number; and why the run's report has another number by now,
-    empty if it has the same."""
+    """Search words with the run in place of a report's number; why its report has another one by now, empty if not."""
     found = _NUMBER.search(words)
     if found is None:
         return words, ""

@@ -221,7 +221,6 @@ def _code(identity: Identity | None) -> str:
 
 
 def _files(identity: Identity) -> Iterator[tuple[str, str]]:
-    """The digests of the engine and of each own file."""
     yield from ((name, f"sha256 {digest}") for name, digest in identity.digests.items())
     if identity.loop:
         yield "Compiled loop", identity.loop

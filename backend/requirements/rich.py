@@ -52,7 +52,6 @@ def plain(xhtml: Xml.Element) -> str:
 
 
 def _around(element: Xml.Element) -> tuple[str, str]:
-    """What is written before and after the content of an element."""
     inner = "".join(dict.fromkeys(_MARKS[tag] for tag in _meant(element)))
     outer, end = ("\n", "\n") if element.tag in _BLOCKS else ("", "")
     begin, end = outer + inner, _END * len(inner) + end
@@ -79,8 +78,7 @@ def _picture(element: Xml.Element) -> str:
 
 
 def _resolved(marked: re.Match[str]) -> str:
-    """A cell or a change as one line. A script in parentheses, unless it is one word or number that ends where it
-    ends."""
+    """A cell or change as one line; a script in parentheses, unless it is one word or number that ends it."""
     mark, content, following = marked.groups()
     lines = _lines(content)
     if mark == _MARKS["td"]:

@@ -25,8 +25,7 @@ NOT_STORED = "its code is not stored, so a change of the model cannot be exclude
 
 @dataclass(frozen=True)
 class Present:
-    """catalogue: of the newest worker, None if none has published its code; newest: run and definition by the name of
-    a campaign."""
+    """catalogue: of the newest worker, None if its code is unpublished; newest: run and definition by campaign name."""
 
     catalogue: Catalogue | None
     newest: Mapping[str, tuple[int, str]]

@@ -219,7 +219,6 @@ def _group() -> None:
 
 
 def _of_the_database(error: sa.exc.OperationalError) -> str:
-    """What is wrong, and the driver's own words."""
     why = " ".join(str(error.orig).split())
     return f"{error} ({why})" if isinstance(error, DatabaseOutage) else f"the database cannot be used: {why}"
 

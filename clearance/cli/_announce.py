@@ -31,7 +31,6 @@ def announce(campaign: Campaign, data: Path, database: str) -> None:
 
 
 def _time(campaign: Campaign, cost: Cost, halved: bool, installed: Catalogue) -> str:
-    """The expected time and where it is known from."""
     from campaigns.asked.proposal import lasting
     from campaigns.checked.expected import again, expected, total
 

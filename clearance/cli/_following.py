@@ -77,8 +77,7 @@ def follow_to_the_end(
 
 
 def save(service: Client, run: str, out: Path, names: tuple[str, ...]) -> list[Path]:
-    """Download files of a run into a folder; `WrongInputError` if one cannot be written or has a name that no file
-    has."""
+    """Download files of a run into a folder; `WrongInputError` if one cannot be written or has an impossible name."""
     try:
         return service.export(run, out, names)
     except ValueError as error:

@@ -118,7 +118,6 @@ def _requirement(suite: Xml.Element, ended: EndedRun, requirement: str) -> None:
 
 
 def _violation(ended: EndedRun, found: Case) -> str:
-    """A violating finding: its value, parameters and replay command."""
     unit = f" {ended.unit}" if ended.unit else ""
     value, rest = read(found.cost, ended.threshold), found.beside(ended.threshold)
     head = f"{found.label}: {value}{unit}, margin {signed(found.margin)}{unit}{rest}"

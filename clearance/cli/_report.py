@@ -54,9 +54,7 @@ def print_report(
     note: str = "",
     likely: Likelihoods | None = None,
 ) -> None:
-    """Print the stages, the comparison of methods, the findings, the changes since a baseline, and the verdict.
-
-    note: the sentence on the baseline; likely: computed already."""
+    """Print the tables and the verdict. note: the sentence on the baseline; likely: computed already."""
     console = Console(width=None if sys.stdout.isatty() else 120)
     for line in [] if cites is None else citing(cites):
         console.print(Text(line))
@@ -169,7 +167,6 @@ def _comparison(store: MemoryStore, verdict: Verdict) -> Table:
 
 
 def _findings(campaign: Campaign, store: MemoryStore, verdict: Verdict) -> Table:
-    """Nominal and every finding, a column each; a mark if a parameter is at a bound."""
     first = store.stages[0].result
     nominal = first.at_nominal.parameters if first is not None and first.at_nominal is not None else {}
     table = Table("Parameter")
@@ -218,7 +215,6 @@ def _checks(verdict: Verdict) -> Table:
 
 
 def _changes(regression: Regression) -> Table:
-    """The changes since a baseline, a row for each finding of either run."""
     found = Table(f"Since {regression.run}", "")
     unit = f" [{regression.unit}]" if regression.unit else ""
     for heading in (f"Margin there{unit}", f"Same case here{unit}", f"Lowest here{unit}", f"Change{unit}"):
@@ -262,7 +258,6 @@ def _how_found(store: MemoryStore) -> list[str]:
 
 
 def _likely(likely: Likelihoods) -> list[str]:
-    """How likely each finding is, and the most likely violation."""
     stated = {label: of.statement for label, of in likely.findings.items()}
     case = () if likely.violation is None or likely.violation.case is None else likely.violation.statement
     return [words(sentence(line)) for line in lines(stated, case)]

@@ -174,7 +174,6 @@ def _result(
 
 
 def _ranges(ended: EndedRun, known: Mapping[str, Place], parameters: Mapping[str, float]) -> list[dict[str, object]]:
-    """The lines of the parameters' ranges, with their values."""
     if ended.source is None:
         return []
     found: list[dict[str, object]] = []

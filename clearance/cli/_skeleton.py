@@ -78,7 +78,6 @@ def files(kind: Kind, name: str, vehicle: str, folder: Path) -> dict[Path, str]:
 
 
 def _written(kind: Kind, name: str, fits: tuple[str, ...]) -> str:
-    """The component of this kind under this name."""
     usual = (f"running/skeletons/{kind}.py", f"my_{kind}", f"My{kind.capitalize()}", f"My {kind}")
     path, old_name, old_type, old_title = usual
     file = _WORKER / path

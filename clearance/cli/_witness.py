@@ -79,7 +79,6 @@ def _reported(reader: int) -> int | None:
 
 
 def _end(status: int, reported: int | None, lost: int) -> None:
-    """End this process as the child has ended."""
     if status < 0:
         if -status != signal.SIGKILL:
             signal.signal(-status, signal.SIG_DFL)

@@ -132,7 +132,6 @@ def _again(run: str, place: StoredRun, rows: int, allow_code: bool) -> Again:
 
 
 def _print(items: list[Item], every: bool) -> None:
-    """What disagrees or could not be audited, or every item; and how many there are of each."""
     import sys
 
     from rich.console import Console

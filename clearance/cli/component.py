@@ -119,7 +119,6 @@ def _check_name(kind: Kind, name: str, file: Path) -> None:
 
 
 def _shown(file: Path) -> str:
-    """A file as short as possible."""
     try:
         return shlex.quote(str(file.relative_to(Path.cwd())))
     except ValueError:

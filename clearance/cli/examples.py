@@ -46,13 +46,9 @@ def shipped() -> dict[Path, Path]:
     """The files of the examples by their path below docs/examples: of the clone, else of the installed package."""
     clone = Path(__file__).parents[2]
     if (clone / "pyproject.toml").is_file():
-        return {file.relative_to(clone / WHERE): file for file in _files(clone / WHERE)}
+        every = sorted((clone / WHERE).rglob("*"))  # with what was built there, which is no example
+        return {file.relative_to(clone / WHERE): file for file in every if file.is_file() and file.suffix in KINDS}
     return _installed()
-
-
-def _files(folder: Path) -> list[Path]:
-    """The files of an example, without what was built there."""
-    return sorted(file for file in folder.rglob("*") if file.is_file() and file.suffix in KINDS)
 
 
 def _installed() -> dict[Path, Path]:

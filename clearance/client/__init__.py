@@ -3,8 +3,6 @@
 It imports nothing of the physics, so that a script that only talks to a service starts quickly.
 """
 
-from __future__ import annotations
-
 from campaigns.asked.problem import CampaignError
 from clearance.client.client import AsyncClient, Client
 from clearance.client.errors import (

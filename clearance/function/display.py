@@ -91,7 +91,6 @@ def _value(result: Result) -> str:
 
 
 def _rows(result: Result) -> list[list[str]]:
-    """The nominal case and every finding, with a header."""
     n, threshold = result.nominal, result.threshold
     values = ["failed" if n.cost is None else beside(n.cost, threshold), "" if n.margin is None else signed(n.margin)]
     rows = [["", _value(result), "margin", *result.names, "found by"]]

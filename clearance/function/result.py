@@ -301,6 +301,5 @@ def evaluations(origin: Origin) -> Evaluations:
 
 
 def _fixed(array: Array) -> Array:
-    """The array, read-only from now on."""
     array.flags.writeable = False
     return array

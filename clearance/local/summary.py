@@ -72,7 +72,6 @@ def made(store: MemoryStore, position: int) -> tuple[int, int, int]:
 
 
 def _finding(finding: Finding, threshold: float) -> Mapping[str, object]:
-    """A finding with the value to state for it, and its margin."""
     margin = finding.margin if finding.granted == finding.cost else finding.granted - threshold
     return finding.model_dump() | {"granted": finding.granted, "margin": margin}
 

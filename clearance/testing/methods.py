@@ -289,7 +289,6 @@ def _catalogue(method: Method) -> Catalogue:
 
 @cache
 def _document() -> dict[str, Any]:
-    """The document of a campaign that is shipped."""
     return load_file(next(iter(library().values()))).document()
 
 

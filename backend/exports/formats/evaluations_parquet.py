@@ -52,7 +52,6 @@ def evaluations_parquet(engine: sa.Engine, run_id: int) -> bytes:
 
 
 def _columns(stage: Evaluated, block: Block) -> Iterator[Any]:
-    """The columns of a block in the order of the schema."""
     count = len(block.indices)
     for value in (stage.position, stage.kind, stage.method):
         yield [value] * count
@@ -67,7 +66,6 @@ def _columns(stage: Evaluated, block: Block) -> Iterator[Any]:
 
 
 def _missing(values: Any) -> NDArray[np.bool_] | None:
-    """Which numbers of a column are null."""
     return ~np.isfinite(values) if isinstance(values, np.ndarray) and values.dtype == np.float64 else None
 
 

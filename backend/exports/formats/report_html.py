@@ -1,7 +1,5 @@
 """The safety-case report as one HTML file; its route is that of reports."""
 
-from __future__ import annotations
-
 from backend.exports.format import Format, words
 
 export = Format(

@@ -1,7 +1,5 @@
 """The safety-case report as PDF; its route is that of reports."""
 
-from __future__ import annotations
-
 from backend.exports.format import Format, words
 from backend.reports import pdf
 

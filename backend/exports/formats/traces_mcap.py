@@ -11,7 +11,7 @@ from __future__ import annotations
 import io
 import json
 import math
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field, replace
 from functools import partial
 from typing import TYPE_CHECKING, Any
@@ -31,9 +31,6 @@ from campaigns.version import VERSION
 
 if TYPE_CHECKING:
     from mcap.writer import Writer
-
-
-from collections.abc import Iterable
 
 PATH = 2000
 """Maximum number of poses in the message of a trajectory."""

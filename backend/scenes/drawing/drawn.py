@@ -123,7 +123,6 @@ class Drawn:
         return np.array([0.0, 0.0, 0.004 * self._world.frame.span * (1 + self.style.layer) * self._setting.planar])
 
     def _stand(self, flight: Flight, dots: Any) -> None:
-        """Draw the shadow on the ground, and stems down to it at equal intervals."""
         shadow = flight.position * (1.0, 1.0, 0.0) + (0.0, 0.0, self._world.ground)
         self._line("shadow", shapes.dashed(shadow, self._world.frame.span / 140), 1.5)
         feet = [flight.at(time)[0] for time in dots]
@@ -147,7 +146,6 @@ class Drawn:
         return frame
 
     def _closest(self, closest: Closest | None) -> None:
-        """Draw the closest approach: balls at both ends of the distance, and a labelled ruler."""
         if closest is None:
             for part in ("closest", "closest-obstacle", "ruler", "label"):
                 self._scene.remove_by_name(self._name(part))
@@ -163,7 +161,6 @@ class Drawn:
         self._tag = Tag(label, self._solids.label(label), np.zeros(3))
 
     def _failed(self, flight: Flight) -> None:
-        """Label the end of the flight with its status, in place of a value."""
         text = f"{self.style.title}: {flight.status} at {flight.time[-1]:.2f} s"
         label = Label(self._name("label"), text, flight.position[-1] + self._lift, "bottom-center", 0.9)
         self._tag = Tag(label, self._solids.label(label), np.zeros(3))

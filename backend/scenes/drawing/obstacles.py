@@ -203,7 +203,6 @@ class Obstacles:
             self._solids.ball(f"{name}/safety", free, colour, wireframe=True, opacity=0.25)
 
     def _track(self, group: _Group, colour: Rgb) -> None:
-        """Draw the motion: a dashed track, and an arrow along it."""
         name, span, unit = group.name, self._world.frame.span, self._world.frame.unit
         lift = np.array([0.0, 0.0, 0.003 * span if self._setting.planar else 0.0])
         dashes = shapes.dashed(group.body.track + lift, span / 70)

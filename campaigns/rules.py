@@ -206,9 +206,9 @@ RULES = (
         "Closest approach",
         "The closest approach of the nominal case and of every finding is inside the horizon, and neither they nor any "
         "stored flight of the independent sample come closer than any evaluation when simulated on to "
-        f"{CONTINUED.value:g} times the horizon and extrapolated from there. An obstacle whose further motion is not "
-        "known, because it has states or neither repeats its path nor ends it, is then at rest or moves away at a "
-        "constant velocity.",
+        f"{CONTINUED.value:g} times the horizon, or until they fail, and extrapolated from there. An obstacle whose "
+        "further motion is not known, because it has states or neither repeats its path nor ends it, is then at rest "
+        "or moves away at a constant velocity.",
         ("validate",),
         RemedyKind.HORIZON,
         "The closest approach may be at the start or at the end of the horizon, and flights may come closer beyond it "

@@ -139,6 +139,9 @@ def _beyond(record: Record, beyond: Beyond) -> str:
     """What flights that are simulated on meet after the horizon."""
     many = f"{numbers.count(beyond.closer)} of {numbers.count(beyond.flights)} flights come closer"
     shown = [many] if beyond.lowest or beyond.unknown else [many, "no obstacle is approaching"]
+    fail = "fails" if beyond.cut_short == 1 else "fail"
+    failed = f"{numbers.count(beyond.cut_short or 0)} {fail} after the horizon, extrapolated from there"
+    shown += [failed] if beyond.cut_short else []
     shown += [f"lowest: {_later(record, beyond.lowest)}"] if beyond.lowest else []
     shown += [f"not known how it moves on: {_later(record, beyond.unknown)}"] if beyond.unknown else []
     return "; ".join(shown)
@@ -150,4 +153,5 @@ def _later(record: Record, later: Later) -> str:
     away = f"obstacle {later.obstacle + 1}, {plain(later.distance)} m away at the last sample"
     value = f"{of.symbol} {of.plain(later.value)} {of.unit} after another {plain(later.time)} s ({how})"
     moves = "closing" if later.closing > 0 else "moving away"
-    return f"{later.name}, {away}, {moves} at {plain(abs(later.closing))} m/s; {value}"
+    until = "" if later.until is None else f", fails after {plain(later.until)} s"
+    return f"{later.name}, {away}, {moves} at {plain(abs(later.closing))} m/s{until}; {value}"

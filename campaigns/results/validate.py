@@ -151,15 +151,21 @@ class Later(Result):
     """The speed at which that distance falls at the last sample [m/s]; negative while it grows."""
     simulated: bool
     """Simulated on beyond the horizon; else extrapolated."""
+    until: Annotated[float | None, UNLESS_NONE] = None
+    """The last instant of its simulation, which fails then [s]; omitted if it does not fail, and in results of earlier
+    versions."""
 
 
 class Beyond(Result):
     """What flights meet beyond the horizon."""
 
     times: float
-    """They are simulated on to this multiple of the horizon, and extrapolated from there."""
+    """They are simulated on to this multiple of the horizon, or until they fail, and extrapolated from there."""
     flights: int
     """The nominal case, the findings and the sample, under each of their noise realisations."""
+    cut_short: Annotated[int | None, UNLESS_NONE] = None
+    """How many of them fail after the horizon, and before that multiple; they are extrapolated from their last step.
+    Omitted in results of earlier versions, which may not have counted what was simulated before the failure."""
     closer: int
     """How many of them come closer there than any evaluation of the run."""
     lowest: Later | None

@@ -540,6 +540,12 @@ CORRUPTIONS: list[tuple[str, str, Callable[[Folder], Any], str]] = [
         edit(f"{ENCOUNTER}/beyond/flights", 2),
         "results.5.encounter.beyond.flights",
     ),
+    (
+        "more flights that fail after the horizon than were simulated on",
+        "cleared",
+        edit(f"{ENCOUNTER}/beyond/cut_short", 10**6),
+        "results.5.encounter.beyond.cut_short",
+    ),
     ("a vehicle that stands still", "cleared", edit(f"{ENCOUNTER}/moved", 0.0), "checks.motion"),
     ("an avoidance without effect", "cleared", edit(f"{ENCOUNTER}/unseen/cost", 0.95), "checks.avoidance"),
     ("a best in no basin", "cleared", edit("result/comparison/0/basin", None), "checks.agreement"),

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
+from typing import Any
 
 from campaigns.checked import extents, rates
 from campaigns.checked.check import parameters
@@ -91,8 +93,17 @@ def _over(run: Run) -> bool:
     if beyond is None:
         return not run.whole or math.isnan(run.lowest)
     low = run.lowest - limits.ROUNDING * max(abs(run.lowest), abs(run.threshold))
+    if run.wording >= limits.AFTER and not _counted(beyond):
+        return False
     above = beyond["lowest"] is None or beyond["lowest"]["value"] >= low
     return not beyond["closer"] and above and beyond.get("unknown") is None
+
+
+def _counted(beyond: Mapping[str, Any]) -> bool:
+    """Whether the flights that fail after the horizon are counted; versions before counted nothing of what those meet
+    until then."""
+    failed = beyond.get("cut_short")
+    return isinstance(failed, int) and 0 <= failed <= beyond["flights"]
 
 
 def _permitted(run: Run) -> bool:
@@ -103,6 +114,8 @@ def _permitted(run: Run) -> bool:
     beyond = encounter.get("beyond")
     if beyond is None:
         return not run.whole or math.isnan(run.lowest)
+    if run.wording >= limits.AFTER and not _counted(beyond):
+        return False
     unknown = beyond.get("unknown") is not None or any(c["at"] not in ("start", "inside", "end") for c in closest)
     return not unknown and (beyond["lowest"] is None or beyond["lowest"]["value"] > run.threshold)
 

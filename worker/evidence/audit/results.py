@@ -81,7 +81,9 @@ def validated(run: Run, at_most: int, spot_checks: int) -> forms.ValidateResult:
     nominal, out, stored = run.case(stated["nominal"], "nominal", run.nominal), left_out(run), sum(run.below)
     spread, beyond = made(forms.Spread, evaluations=len(run.costs), lowest=run.lowest, highest=run.highest), OMIT
     if stated["encounter"].get("beyond") is not None or (run.whole and near(run) and len(run.costs)):
-        beyond = made(forms.Beyond, times=limits.CONTINUED, flights=_continued(run), **REST)
+        flights, beyond = _continued(run), stated["encounter"].get("beyond") or {}
+        failed = OMIT if run.wording < limits.AFTER else min(max(beyond.get("cut_short") or 0, 0), flights)
+        beyond = made(forms.Beyond, times=limits.CONTINUED, flights=flights, cut_short=failed, **REST)
     checked = min(stored, at_most) - out.get("violations", 0), min(spot_checks, len(run.costs))
     by_stage = [made(forms.StageCount, position=k, count=n) for k, n in enumerate(run.below) if n]
     findings, spent, tolerance = OMIT, OMIT, OMIT

@@ -90,7 +90,17 @@ def _closest(problem: Problem, evidence: Evidence) -> Condition | None:
     statement = say("the closest approach of ", listed([*map(case, closest)]), " is inside the horizon")
     if beyond is None:
         return True, statement
-    return True, say(statement, ", and none of ", count(beyond.flights), " flights comes closer beyond it")
+    return True, say(
+        *(statement, ", and none of ", count(beyond.flights), " flights comes closer beyond it"),
+        say("; ", _fail(problem, beyond), ", extrapolated from there") if beyond.cut_short else "",
+    )
+
+
+def _fail(problem: Problem, beyond: Beyond) -> Spans:
+    """How many flights fail after the horizon."""
+    fail = " of them fails after it, before " if beyond.cut_short == 1 else " of them fail after it, before "
+    until = number(beyond.times * problem.campaign.given_scenario.horizon, "s", "until")
+    return say(count(beyond.cut_short or 0), fail, until)
 
 
 def _permitted(problem: Problem, evidence: Evidence) -> bool:
@@ -107,7 +117,8 @@ def _permitted(problem: Problem, evidence: Evidence) -> bool:
 def _closer(problem: Problem, beyond: Beyond) -> Spans:
     """How many flights come closer beyond the horizon, and where that of the lowest one is at the last sample."""
     come = "comes" if beyond.closer == 1 else "come"
-    many = say(count(beyond.closer), " of ", count(beyond.flights), f" flights {come} closer beyond the horizon")
+    fail = say(" (", _fail(problem, beyond), ")") if beyond.cut_short else ()
+    many = say(count(beyond.closer), " of ", count(beyond.flights), f" flights {come} closer beyond the horizon", fail)
     later = beyond.lowest
     if later is None:
         return many
@@ -124,7 +135,8 @@ def _value(problem: Problem, later: Later) -> Span:
 
 def _unknown(problem: Problem, beyond: Beyond, later: Later) -> Spans:
     """That an obstacle which turns or has states approaches at the end of what is known of its motion."""
-    known = number(beyond.times * problem.campaign.given_scenario.horizon, "s", "known")
+    until = beyond.times * problem.campaign.given_scenario.horizon if later.until is None else later.until
+    known = say(number(until, "s", "known"), "" if later.until is None else ", when the flight fails")
     quantity, value = symbol(problem.quantity), _value(problem, later)
     return say(
         *("it is not known how ", _obstacle(problem, later), " moves after ", known, ": ", _there(problem, later)),

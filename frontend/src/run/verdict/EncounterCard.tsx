@@ -91,7 +91,7 @@ interface Value {
 }
 
 function Onward({ beyond, ...value }: Value & { beyond: Beyond }) {
-  const { closer, flights, lowest, unknown } = beyond
+  const { closer, cut_short: failed, flights, lowest, unknown } = beyond
   return (
     <>
       <dt>Beyond the horizon</dt>
@@ -99,6 +99,11 @@ function Onward({ beyond, ...value }: Value & { beyond: Beyond }) {
         <span className={closer ? 'unk-t' : undefined}>
           {count(closer)} of {count(flights)} flights come closer
         </span>
+        {failed ? (
+          <span className="mut">
+            ; {count(failed)} {failed === 1 ? 'fails' : 'fail'} after the horizon, extrapolated from there
+          </span>
+        ) : null}
         {lowest && <span className="mut">; lowest {at(lowest, value)}</span>}
         {unknown && <span className="unk-t">; not known how it moves on: {at(unknown, value)}</span>}
       </dd>
@@ -110,7 +115,8 @@ function at(later: Later, { quantity, unit }: Value): ReactNode {
   return (
     <>
       {quantity} {plain(later.value, 4)} {unit}, {later.name}, obstacle {later.obstacle + 1}, {plain(later.distance, 4)} m
-      away at the last sample, {later.closing > 0 ? 'closing' : 'moving away'} at {plain(Math.abs(later.closing), 4)} m/s; {later.simulated ? 'reached' : 'extrapolated'}{' '}
+      away at the last sample, {later.closing > 0 ? 'closing' : 'moving away'} at {plain(Math.abs(later.closing), 4)} m/s
+      {typeof later.until !== 'number' ? '' : `, fails after ${plain(later.until, 4)} s`}; {later.simulated ? 'reached' : 'extrapolated'}{' '}
       {plain(later.time, 4)} s later
     </>
   )

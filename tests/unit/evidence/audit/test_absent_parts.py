@@ -98,6 +98,7 @@ def test_a_part_that_is_absent_disagrees_whatever_the_sentences_state(name: str,
 
 REQUIRED = (
     ("cleared", ("evidence", "results", 5, "encounter", "beyond")),
+    ("cleared", ("evidence", "results", 5, "encounter", "beyond", "cut_short")),
     ("since", ("evidence", "results", -1, "basins")),
     ("calls:calls", ("evidence", "results", 0, "measured")),
     ("calls:differs", ("evidence", "results", 0, "measured")),

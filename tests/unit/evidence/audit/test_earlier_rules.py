@@ -122,6 +122,22 @@ def test_a_simulator_that_was_called_once_is_cleared_in_no_version(
 
 
 @every_version
+def test_flights_that_fail_after_the_horizon_without_being_counted_clear_in_no_version(
+    versions: Sequence[int | None], tmp_path: Path
+) -> None:
+    """What they met until then may have been left out, which the closing sentence of earlier versions states."""
+    folder = Folder(written(tmp_path / "out", "cleared"))
+    del folder.evidence["results"][5]["encounter"]["beyond"]["cut_short"]
+    folder.write()
+    for version, record in copies(tmp_path / "out", versions):
+        assert not follows(record, version), version
+        earlier = [item for item in record.items() if item.name.startswith(EARLIER)]
+        assert [item.name.removeprefix(EARLIER) for item in earlier] == (
+            [] if version == WORDING else ["checks.closest approach"]
+        )
+
+
+@every_version
 @pytest.mark.parametrize("name", ["cleared", "violated"])
 def test_what_the_rules_of_today_accept_follows_in_every_version(
     name: str, versions: Sequence[int | None], tmp_path: Path

@@ -130,6 +130,20 @@ def unseen(cost: float | None, reason: str = "") -> Unseen:
             "it is not known how obstacle 1 (Circle) moves after 30 s: F1 is 1.5 m from obstacle 1 (Circle) at the "
             "last sample, closing at 0.998 m/s; along straight lines d_min would be 0.69 m after another 1.2 s; len",
         ),
+        (
+            met(beyond=Beyond(times=2.0, flights=302, cut_short=1, closer=300, lowest=later())), "closest approach",
+            "300 of 302 flights come closer beyond the horizon (1 of them fails after it, before 30 s) than any eval",
+        ),
+        (
+            met(
+                beyond=Beyond(
+                    times=2.0, flights=302, cut_short=9, closer=0, lowest=None,
+                    unknown=later(simulated=False, until=21.5),
+                )
+            ),
+            "closest approach",
+            "it is not known how obstacle 1 (Circle) moves after 21.5 s, when the flight fails: F1 is",
+        ),
         (met(moved=0.0), "motion", "the vehicle moves 0 m in the nominal case; place the goal"),
         (met(moved=None), "motion", "has no trace"),
         (met(unseen=unseen(NOMINAL)), "avoidance", "the avoidance makes no difference"),
@@ -139,6 +153,21 @@ def unseen(cost: float | None, reason: str = "") -> Unseen:
 )  # fmt: skip
 def test_an_encounter_that_did_not_occur_bars_cleared(given: dict[str, Any], name: str, statement: str) -> None:
     assert statement in barred(name, **given).text
+
+
+@pytest.mark.parametrize(
+    ("cut_short", "statement"),
+    [
+        (None, "none of 302 flights comes closer beyond it"),
+        (0, "none of 302 flights comes closer beyond it"),
+        (1, "comes closer beyond it; 1 of them fails after it, before 30 s, extrapolated from there"),
+        (301, "comes closer beyond it; 301 of them fail after it, before 30 s, extrapolated from there"),
+    ],
+)
+def test_the_flights_that_fail_after_the_horizon_are_stated(cut_short: int | None, statement: str) -> None:
+    conclusion = concluded(**met(beyond=Beyond(times=2.0, flights=302, cut_short=cut_short, closer=0, lowest=None)))
+    assert check_of("closest approach", conclusion).ok
+    assert check_of("closest approach", conclusion).text.endswith(statement)
 
 
 def late(value: float = 0.69, simulated: bool = True, closer: int = 302) -> dict[str, Any]:

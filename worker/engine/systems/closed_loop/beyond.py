@@ -1,16 +1,16 @@
 """What flights meet beyond the horizon: each is simulated on to a multiple of it, and extrapolated from there.
 
 An obstacle that is still approaching when the horizon ends may come closer than anything that was evaluated. What it
-does until twice the horizon is simulated. After that, or if the simulation fails on the way, the vehicle stops or goes
-straight on; obstacles that move on straight lines go on along them, and those that turn are followed (`onward`). Start
-reading at `met`.
+does until twice the horizon is simulated, or until the simulation fails. After that the vehicle stops or goes straight
+on; obstacles that move on straight lines go on along them, and those that turn are followed (`onward`). Start reading
+at `met`.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from typing import NamedTuple
+from typing import NamedTuple, Self
 
 import numpy as np
 
@@ -36,6 +36,21 @@ class Approach(NamedTuple):
     known: bool = True
 
 
+class Continued(NamedTuple):
+    """A flight after the horizon. last: its last step; 0 of one that failed before the horizon ended. failed: whether
+    its simulation fails after that step. near: whether its samples do not exclude that it came below the value until
+    then. approaches: the simulated one, and the extrapolated ones."""
+
+    last: int = 0
+    failed: bool = False
+    near: bool = False
+    approaches: Sequence[Approach] = ()
+
+    def reaching(self, cost: float, below: float) -> Self:
+        """With the lowest value of its simulation, which is after the horizon if no evaluation has one so low."""
+        return self._replace(approaches=[Approach(cost if cost < below else math.inf), *self.approaches])
+
+
 def met(
     flights: Flights,
     names: Sequence[str],
@@ -55,20 +70,18 @@ def met(
         realised.append(realisations.flights(vector) if seed is None else realisations.flight(vector, seed))
         called += [name] * len(realised[-1])
     rows = np.concatenate(realised)
-    found: list[list[Approach]] = []
-    some = _at_a_time(flights)
-    for first in range(0, len(rows), some):
-        if cancelled():
-            return None
-        found += _approaches(flights, rows[first : first + some], below)
-    lowest = [min((a for a in each if a.known), key=_value, default=Approach()) for each in found]
-    open_ = [min((a for a in each if not a.known), key=_value, default=Approach()) for each in found]
+    found = _continued(flights, rows, below, cancelled)
+    if found is None:
+        return None
+    lowest = [min((a for a in each.approaches if a.known), key=_value, default=Approach()) for each in found]
+    open_ = [min((a for a in each.approaches if not a.known), key=_value, default=Approach()) for each in found]
     return Beyond(
         times=CONTINUED,
         flights=len(rows),
+        cut_short=sum(each.failed for each in found),
         closer=sum(each.value < below for each in lowest),
-        lowest=_lowest(flights, called, rows, lowest),
-        unknown=_lowest(flights, called, rows, open_),
+        lowest=_lowest(flights, called, rows, found, lowest),
+        unknown=_lowest(flights, called, rows, found, open_),
     )
 
 
@@ -76,9 +89,11 @@ def _value(approach: Approach) -> float:
     return approach.value
 
 
-def _lowest(flights: Flights, names: Sequence[str], rows: Floats, each: Sequence[Approach]) -> Later | None:
+def _lowest(
+    flights: Flights, names: Sequence[str], rows: Floats, found: Sequence[Continued], each: Sequence[Approach]
+) -> Later | None:
     k = int(np.argmin([approach.value for approach in each]))
-    return _later(flights, names[k], rows[k], each[k]) if math.isfinite(each[k].value) else None
+    return _later(flights, names[k], rows[k], found[k], each[k]) if math.isfinite(each[k].value) else None
 
 
 def _at_a_time(flights: Flights) -> int:
@@ -86,22 +101,56 @@ def _at_a_time(flights: Flights) -> int:
     return max(1, MEMORY // (8 * (steps + 1) * (loop.n_state + loop.n_held)))
 
 
-def _approaches(flights: Flights, rows: Floats, below: float) -> Iterator[list[Approach]]:
-    """The approaches of each flight: of the simulation, and of the extrapolation from its last sample.
+def _continued(flights: Flights, rows: Floats, below: float, cancelled: Stopping) -> list[Continued] | None:
+    """Every flight after the horizon; None when cancelled. One that fails there may have come close before: it is
+    simulated again to its last step, because the loop gives it no value; all that end at the same one together."""
+    found: list[Continued] = []
+    some, every = _at_a_time(flights), flights.counts(flights.step)[1]
+    for first in range(0, len(rows), some):
+        if cancelled():
+            return None
+        found += _onward(flights, rows[first : first + some], below)
+    again: dict[int, list[int]] = {}
+    for k, each in enumerate(found):
+        if each.near:
+            again.setdefault(each.last, []).append(k)
+    for last, group in again.items():
+        if cancelled():
+            return None
+        costs = flights.loop.simulate(rows[group], flights.step, last, every).costs[:, 0]
+        for k, cost in zip(group, costs, strict=True):
+            found[k] = found[k].reaching(float(cost), below)
+    return found
 
-    That of the simulation is after the horizon if it is below a value that no evaluation has.
-    """
+
+def _onward(flights: Flights, rows: Floats, below: float) -> Iterator[Continued]:
+    """Each flight, simulated on and extrapolated from its last step; of one that fails, without what it reached."""
     steps, every = flights.counts(flights.step)
     longer = CONTINUED * steps
     result = flights.loop.simulate(rows, flights.step, longer, every, traced=len(rows))
     for k, row in enumerate(rows):
         code, ended = result.status[k], round(result.when[k] / flights.step)
         if code == closed_loop.EXCLUDED or (code != closed_loop.OK and ended <= steps):
-            yield []
+            yield Continued()
             continue
-        last = longer if code == closed_loop.OK else steps
-        simulated = float(result.costs[k, 0]) if result.costs[k, 0] < below else math.inf
-        yield [Approach(simulated), *_extrapolated(flights, row, result.trace[k], last, below)]
+        failed, trace = code != closed_loop.OK, result.trace[k]
+        last = ended - 1 if failed else longer
+        near = failed and not _away(flights, row, trace, last, below)
+        ahead = Continued(last, failed, near, [*_extrapolated(flights, row, trace, last, below)])
+        yield ahead if failed else ahead.reaching(float(result.costs[k, 0]), below)
+
+
+def _away(flights: Flights, row: Floats, trace: Floats, last: int, below: float) -> bool:
+    """Whether the samples after the horizon show that no obstacle came below a value: within a step, a distance to a
+    centre falls by no more than the two move against each other."""
+    steps = flights.counts(flights.step)[0]
+    if not flights.parts.criterion.measured_to:
+        return last == steps
+    seen = _seen(flights, row, trace, steps, last)
+    between = seen.centres - seen.positions[:, None]
+    moved = np.linalg.norm(np.diff(between, axis=0), axis=2).max(axis=0, initial=0.0)
+    extents = [_extent(flights, row, i, math.inf) for i in range(between.shape[1])]
+    return bool((np.linalg.norm(between, axis=2).min(axis=0) - moved - extents >= below).all())
 
 
 def _seen(flights: Flights, row: Floats, trace: Floats, first: int, last: int) -> Seen:
@@ -202,13 +251,12 @@ def _extent(flights: Flights, row: Floats, i: int, here: float) -> float:
     return reach.times * math.hypot(*map(float, sizes)) + (0.0 if body is None else float(row[body]))
 
 
-def _later(flights: Flights, name: str, row: Floats, approach: Approach) -> Later:
+def _later(flights: Flights, name: str, row: Floats, continued: Continued, approach: Approach) -> Later:
     """An approach with the obstacle, its distance and its closing speed at the horizon."""
-    steps, every = flights.counts(flights.step)
-    longer = CONTINUED * steps
-    trace = flights.loop.simulate(row[None, :], flights.step, longer, every, traced=1).trace[0]
+    (steps, every), last = flights.counts(flights.step), continued.last
+    trace = flights.loop.simulate(row[None, :], flights.step, last, every, traced=1).trace[0]
     obstacle, time = approach.obstacle, approach.time
-    seen = _seen(flights, row, trace, steps - 1, steps if obstacle is not None else longer)
+    seen = _seen(flights, row, trace, steps - 1, steps if obstacle is not None else last)
     if obstacle is None:
         after, obstacle = (int(k) for k in np.unravel_index(np.argmin(seen.deciding[1:]), seen.deciding[1:].shape))
         time = after * flights.step
@@ -221,4 +269,5 @@ def _later(flights: Flights, name: str, row: Floats, approach: Approach) -> Late
         distance=now,
         closing=(before - now) / flights.step,
         simulated=approach.obstacle is None,
+        until=last * flights.step if continued.failed else None,
     )

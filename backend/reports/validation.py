@@ -116,7 +116,7 @@ def encounter(record: Record) -> list[tuple[Markup, Markup]]:
 def _shown(record: Record, shown: Encounter, unseen: Unseen) -> list[tuple[Markup, Markup]]:
     """Closest approach, path and the case without avoidance, for a system that provides them."""
     of = record.of
-    value = f"{of.plain(unseen.cost)} {of.unit}" if unseen.cost is not None else f"fails: {unseen.reason}"
+    value = f"{of.plain(unseen.cost)} {of.unit}" if unseen.cost is not None else f"no value: {unseen.reason}"
     approaches = [("nominal", shown.closest), *((f.label, f.closest) for f in record.findings)]
     closest = "; ".join(_closest(name, approach) for name, approach in approaches if approach is not None)
     rows = [(Markup.escape("Closest approach"), Markup.escape(closest))]

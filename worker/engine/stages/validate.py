@@ -161,7 +161,7 @@ def _flights(context: Context, shown: Sequence[Finding]) -> tuple[list[Trace | N
 def _closest(finding: Finding, flight: Trace | None) -> Finding:
     if flight is None:
         return finding
-    return finding.model_copy(update={"closest": ClosestApproach.of(flight.meta.closest, len(flight.data))})
+    return finding.model_copy(update={"closest": ClosestApproach.of(flight.meta.approach, len(flight.data))})
 
 
 def _labelled(finding: Finding, label: str) -> Finding:

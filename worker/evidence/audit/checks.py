@@ -68,8 +68,7 @@ def _encounter(run: Run) -> dict[str, bool]:
     }
     criterion = components.component("criterion", campaign.criterion.component)
     if near(run):
-        closest = [encounter["closest"], *(f["closest"] for f in run.claims["findings"])]
-        shown["closest approach"] = all(c["at"] == "inside" for c in closest) and _over(run)
+        shown["closest approach"] = all(at == "inside" for at in _closest(run)) and _over(run)
     if criterion.measured_to == "centre" and not campaign.criterion.from_centre:
         inside = extents.within(campaign, components, parameters(campaign, components))
         shown |= {"distances": False} if inside else {}
@@ -106,17 +105,23 @@ def _counted(beyond: Mapping[str, Any]) -> bool:
     return isinstance(failed, int) and 0 <= failed <= beyond["flights"]
 
 
+def _closest(run: Run) -> list[str]:
+    """When the closest approaches of the nominal case and the findings were. None is known of a nominal case without a
+    value, of which versions before stated that of what was simulated until it failed."""
+    of_nominal = run.claims["results"][-1]["encounter"]["closest"]["at"]
+    known = run.wording < limits.AFTER or not math.isnan(run.nominal)
+    return [of_nominal if known else "none", *(f["closest"]["at"] for f in run.claims["findings"])]
+
+
 def _permitted(run: Run) -> bool:
     """Whether the author may state that the closest approach is as intended: at the start or at the end of the horizon,
     with nothing at or below the threshold beyond it."""
-    encounter = run.claims["results"][-1]["encounter"]
-    closest = [encounter["closest"], *(f["closest"] for f in run.claims["findings"])]
-    beyond = encounter.get("beyond")
+    beyond = run.claims["results"][-1]["encounter"].get("beyond")
     if beyond is None:
         return not run.whole or math.isnan(run.lowest)
     if run.wording >= limits.AFTER and not _counted(beyond):
         return False
-    unknown = beyond.get("unknown") is not None or any(c["at"] not in ("start", "inside", "end") for c in closest)
+    unknown = beyond.get("unknown") is not None or any(at not in ("start", "inside", "end") for at in _closest(run))
     return not unknown and (beyond["lowest"] is None or beyond["lowest"]["value"] > run.threshold)
 
 

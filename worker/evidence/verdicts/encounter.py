@@ -12,8 +12,10 @@ from campaigns import rules
 from campaigns.claims.say import capital, case, count, listed, number, on_side, say, symbol
 from campaigns.claims.spans import Span, Spans, Text
 from campaigns.codes import CheckCode
+from campaigns.results.base import Status
 from campaigns.results.finding import ClosestApproach
-from campaigns.results.validate import Beyond, Later
+from campaigns.results.nominal import NominalCase
+from campaigns.results.validate import Beyond, Later, Unseen
 from campaigns.results.verdict import Check
 from worker.engine.problem.problem import Problem
 from worker.evidence.scopes.terms import terms
@@ -161,9 +163,11 @@ def _obstacle(problem: Problem, later: Later) -> str:
 
 def _motion(problem: Problem, evidence: Evidence) -> Condition | None:
     moved, nominal = evidence.encounter.moved, evidence.nominal.cost
-    if moved is None or nominal is None:
+    if moved is None:
         return False, say("the vehicle's motion is unknown: the nominal case has no trace")
     statement = say("the vehicle moves ", number(moved, "m", "moved"), " in the nominal case")
+    if nominal is None:
+        return False, say(statement, ", which has no closest approach to compare this with")
     if moved <= rules.MOVED.value * abs(nominal):
         return False, say(statement, "; place the goal beyond the obstacle")
     return True, statement
@@ -175,10 +179,7 @@ def _avoidance(problem: Problem, evidence: Evidence) -> Condition | None:
     if unseen is None:
         return None
     if nominal is None or unseen.cost is None:
-        return False, say(
-            f"the effect of the avoidance is unknown: without it the nominal case fails ({unseen.reason}); "
-            "choose a nominal case that the vehicle completes without avoidance"
-        )
+        return False, _unknown_effect(problem, evidence.nominal, unseen)
     by, blind = nominal - unseen.cost, on_side(unseen.cost, problem.threshold, unit, "unseen")
     if by <= rules.ROUNDING.value * max(abs(nominal), abs(unseen.cost)):
         return False, say(
@@ -192,6 +193,33 @@ def _avoidance(problem: Problem, evidence: Evidence) -> Condition | None:
             "come closer without avoidance",
         )
     return True, say("without avoidance the nominal ", quantity, " is ", blind)
+
+
+def _unknown_effect(problem: Problem, nominal: NominalCase, unseen: Unseen) -> Spans:
+    """Why the nominal case with and without avoidance cannot be compared."""
+    why = "the effect of the avoidance is unknown: "
+    choose = "; choose a nominal case that the vehicle completes"
+    if nominal.cost is not None:
+        return say(why, "without it the nominal case ", _ended(unseen), choose, " without avoidance")
+    if unseen.cost is None:
+        return say(why, "the nominal case ", _ended(nominal), ", and without avoidance it ", _ended(unseen), choose)
+    blind = on_side(unseen.cost, problem.threshold, problem.unit, "unseen")
+    return say(
+        why,
+        "with it the nominal case ",
+        _ended(nominal),
+        ", without it ",
+        symbol(problem.quantity),
+        " is ",
+        blind,
+        choose,
+    )
+
+
+def _ended(case: NominalCase | Unseen) -> str:
+    """The words for a case without a value."""
+    ends = "is excluded" if case.status == Status.EXCLUDED else "fails"
+    return f"{ends} ({case.reason})" if case.reason else ends
 
 
 def _influence(problem: Problem, evidence: Evidence) -> Condition:

@@ -9,6 +9,7 @@ import pytest
 
 from campaigns import Campaign, library, load_file
 from campaigns.asked.load import load_document
+from campaigns.results.finding import ClosestApproach
 from worker.engine.systems.base import Shown
 from worker.engine.systems.closed_loop import encounter
 from worker.engine.systems.closed_loop.trace import trace
@@ -57,6 +58,17 @@ def test_the_next_run_of_a_scenario_has_it_without_simulating_it() -> None:
     assert (encounter._flown.cache_info().hits, encounter._flown.cache_info().misses) == (1, 1)
     assert first.unseen is not None
     assert first.unseen.deviation is not None
+
+
+def test_a_nominal_case_that_fails_has_no_closest_approach() -> None:
+    """The aircraft of case 3 passes its obstacle, and slips out of its envelope later."""
+    document = load_file(library()["uav_static"]).document()
+    document["scenario"]["horizon"] = 75.0
+    failed, complete = seen(load_document(document)), load_file(library()["uav_static"])
+    assert failed.closest == ClosestApproach()
+    assert failed.moved is not None
+    assert failed.moved > 500.0
+    assert seen(complete).closest.at == "inside"
 
 
 @pytest.mark.parametrize("other", OTHERS.values(), ids=OTHERS)

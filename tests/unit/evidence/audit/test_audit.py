@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import copy
 import json
+import math
 import shutil
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -40,7 +41,7 @@ from tests.given.corrupted_records import (
 from tests.given.refused_commands import refused
 from tests.migrated import migrated
 from worker.engine.stages.parts import claims
-from worker.evidence.audit import parts, results
+from worker.evidence.audit import checks, parts, results
 from worker.evidence.audit.binomial import cumulative, upper_bound
 from worker.evidence.audit.judge import Item, audit, closing
 from worker.evidence.audit.record import MISSING, SEAL, UnreadableError, of_folder
@@ -274,6 +275,18 @@ def test_a_database_without_tables_is_wrong_input(tmp_path: Path, capsys: pytest
         connection.execute(sa.text("create table other (id integer)"))
     assert refused(capsys, "audit", "R-0001", "--data", tmp_path) == RefusalCode.UNREADABLE
     engine.dispose()
+
+
+@pytest.mark.parametrize(
+    ("wording", "nominal", "known"), [(14, math.nan, False), (13, math.nan, True), (14, 0.9, True)]
+)
+def test_a_nominal_case_without_a_value_has_no_closest_approach_but_in_earlier_versions(
+    wording: int, nominal: float, known: bool
+) -> None:
+    encounter = {"closest": {"at": "inside"}}
+    claims = {"results": [{"encounter": encounter}], "findings": [{"closest": {"at": "start"}}]}
+    run: Any = SimpleNamespace(wording=wording, nominal=nominal, claims=claims)
+    assert checks._closest(run) == ["inside" if known else "none", "start"]
 
 
 def test_its_earlier_name_runs_it_for_one_version(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

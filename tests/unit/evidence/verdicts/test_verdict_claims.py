@@ -26,6 +26,7 @@ from tests.given.verdict_evidence import (
     encountered,
     evidence,
     finding,
+    nominal,
     sample,
     search,
     spot_checks,
@@ -168,6 +169,39 @@ def test_the_flights_that_fail_after_the_horizon_are_stated(cut_short: int | Non
     conclusion = concluded(**met(beyond=Beyond(times=2.0, flights=302, cut_short=cut_short, closer=0, lowest=None)))
     assert check_of("closest approach", conclusion).ok
     assert check_of("closest approach", conclusion).text.endswith(statement)
+
+
+@pytest.mark.parametrize(
+    ("closest", "moved", "without", "name", "statement"),
+    [
+        (
+            ClosestApproach(), 9.2, unseen(0.38), "avoidance",
+            "with it the nominal case fails (it diverged), without it d_min is 0.38 m; choose a nominal case that the "
+            "vehicle completes",
+        ),
+        (
+            ClosestApproach(), 9.2, unseen(None, "a stall"), "avoidance",
+            "the nominal case fails (it diverged), and without avoidance it fails (a stall); choose a nominal case that",
+        ),
+        (
+            ClosestApproach(), 9.2, Unseen(cost=None, status="excluded", reason="too close", deviation=None),
+            "avoidance", "and without avoidance it is excluded (too close); choose",
+        ),
+        (
+            ClosestApproach(), 9.2, unseen(0.38), "motion",
+            "the vehicle moves 9.2 m in the nominal case, which has no closest approach to compare this with",
+        ),
+        (ClosestApproach(), None, unseen(0.38), "motion", "is unknown: the nominal case has no trace"),
+        (ClosestApproach(), 9.2, unseen(0.38), "closest approach", "no closest approach is known for nominal"),
+    ],
+)  # fmt: skip
+def test_of_a_nominal_case_that_fails_only_what_is_known_is_stated(
+    closest: ClosestApproach, moved: float | None, without: Unseen, name: str, statement: str
+) -> None:
+    given = met(closest=closest, moved=moved, unseen=without)
+    found = check_of(name, concluded(nominal=nominal(None, "it diverged"), **given))
+    assert not found.ok
+    assert statement in found.text
 
 
 def late(value: float = 0.69, simulated: bool = True, closer: int = 302) -> dict[str, Any]:

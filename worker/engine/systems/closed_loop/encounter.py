@@ -24,7 +24,7 @@ UNSEEN = FaultPart(component="blackout", parameters={"at": 0.0, "duration": 1e6}
 def shown(flights: Flights, nominal: Trace) -> Shown:
     """The evidence for the nominal case with this trace; simulates one more case in plain Python."""
     return Shown(
-        ClosestApproach.of(nominal.meta.closest, len(nominal.data)),
+        ClosestApproach.of(nominal.meta.approach, len(nominal.data)),
         _moved(nominal),
         _unseen(flights.campaign, flights.installed, nominal),
     )

@@ -15,6 +15,7 @@ from campaigns.claims.numbers import NONE
 from campaigns.claims.say import joined, number, say, symbol
 from campaigns.claims.spans import Spans
 from campaigns.results import verdicts
+from campaigns.results.base import ending
 from campaigns.results.finding import ClosestApproach, Neighbours, Validation
 from campaigns.results.validate import Beyond, Encounter, Later, Unseen
 
@@ -106,11 +107,18 @@ def encounter(record: Record) -> list[tuple[Markup, Markup]]:
         text = f"{low} to {high} {of.unit} over {numbers.count(spread.evaluations)} evaluations"
         rows.append((Markup("Range of {}").format(quantity), Markup.escape(text)))
     changes = [
-        Markup("{} {}").format(record.symbol_html(path), f"{numbers.plain(by, 3)} {of.unit}")
-        for path, by in shown.influence.items()
+        Markup("{} {}").format(record.symbol_html(path), _change(record, shown, path))
+        for path in shown.influence | shown.no_value
     ]
     rows.append((Markup("Largest change of {} on a slice").format(quantity), Markup("; ").join(changes)))
     return rows
+
+
+def _change(record: Record, shown: Encounter, path: str) -> str:
+    """The largest change by a parameter alone, and that evaluations along its slices have no value."""
+    by, statuses = shown.influence.get(path), shown.no_value.get(path)
+    change = "not known" if by is None else f"{numbers.plain(by, 3)} {record.of.unit}"
+    return f"{change} (evaluations along it {ending(statuses)})" if statuses else change
 
 
 def _shown(record: Record, shown: Encounter, unseen: Unseen) -> list[tuple[Markup, Markup]]:

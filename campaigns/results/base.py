@@ -5,7 +5,7 @@ A field that an earlier version did not store has a default that shows this.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from enum import StrEnum
 from typing import Annotated, Any, Literal
 
@@ -43,6 +43,12 @@ MethodKind = Literal["global", "local", "random", "multi"]
 """How a search method searches."""
 Worse = Literal["low", "high"]
 """Which end of a criterion is sought."""
+
+
+def ending(statuses: Collection[Status]) -> str:
+    """The words for what evaluations of these statuses do that have no value: they fail, are excluded, or either."""
+    fail = any(status not in (Status.OK, Status.EXCLUDED) for status in statuses)
+    return " or ".join(["fail"] * fail + ["are excluded"] * (Status.EXCLUDED in statuses))
 
 
 class Result(Documented):

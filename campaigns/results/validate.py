@@ -133,6 +133,9 @@ class Spread(Result):
     evaluations: int
     lowest: float | None
     highest: float | None
+    one_point: Annotated[bool, UNLESS_EMPTY] = False
+    """Whether all that have a cost are of one point, so that no effect of a parameter can be seen; omitted if they are
+    not, and in results of earlier versions."""
 
 
 class Later(Result):
@@ -186,7 +189,10 @@ class Encounter(Result):
     """Null for a system that cannot determine it."""
     spread: Spread
     influence: Values
-    """By path: the largest change along any slice; without a parameter that has none."""
+    """By path: the largest change along any slice; without a parameter that has no slice with several values."""
+    no_value: Annotated[dict[str, list[Status]], UNLESS_EMPTY] = {}
+    """By path: how the evaluations of its slices ended that have no value; without a parameter that has none such, and
+    omitted in results of earlier versions."""
     beyond: Annotated[Beyond | None, UNLESS_NONE] = None
     """Omitted for a system that is not simulated on, for a criterion that is not one of obstacles, and in results of
     earlier versions."""

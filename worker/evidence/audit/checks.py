@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
 from typing import Any
 
 from campaigns.checked import extents, rates
@@ -98,7 +97,7 @@ def _over(run: Run) -> bool:
     return not beyond["closer"] and above and beyond.get("unknown") is None
 
 
-def _counted(beyond: Mapping[str, Any]) -> bool:
+def _counted(beyond: Any) -> bool:
     """Whether the flights that fail after the horizon are counted; versions before counted nothing of what those meet
     until then."""
     failed = beyond.get("cut_short")

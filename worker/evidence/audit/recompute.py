@@ -129,6 +129,9 @@ class Run:
         self.lowest = min(self.costs.tolist(), default=math.nan)
         self.calls = Calls(record, *self.rows(0), whole=self.whole)
         self.highest = max(self.costs.tolist(), default=math.nan)
+        known = self.points[self.status == OK]
+        self.one_point = len(known) > 0 and bool((known == known[0]).all())
+        """Whether all evaluations with a cost are of one point."""
         self.varies = self.highest - self.lowest > self._rounding()
         self.others = self.means()
         self.findings = [self.finding(k) for k in range(len(self.claims["findings"]))]

@@ -79,7 +79,9 @@ def validated(run: Run, at_most: int, spot_checks: int) -> forms.ValidateResult:
     """The result of validation, as far as it follows."""
     stated = run.claims["results"][-1]
     nominal, out, stored = run.case(stated["nominal"], "nominal", run.nominal), left_out(run), sum(run.below)
-    spread, beyond = made(forms.Spread, evaluations=len(run.costs), lowest=run.lowest, highest=run.highest), OMIT
+    one = True if run.wording >= limits.AFTER and run.one_point else OMIT
+    spread = made(forms.Spread, evaluations=len(run.costs), lowest=run.lowest, highest=run.highest, one_point=one)
+    beyond = OMIT
     if stated["encounter"].get("beyond") is not None or (run.whole and near(run) and len(run.costs)):
         flights, beyond = _continued(run), stated["encounter"].get("beyond") or {}
         failed = OMIT if run.wording < limits.AFTER else min(max(beyond.get("cut_short") or 0, 0), flights)

@@ -12,7 +12,7 @@ from campaigns import rules
 from campaigns.claims.say import capital, case, count, listed, number, on_side, say, symbol
 from campaigns.claims.spans import Span, Spans, Text
 from campaigns.codes import CheckCode
-from campaigns.results.base import Status
+from campaigns.results.base import Status, ending
 from campaigns.results.finding import ClosestApproach
 from campaigns.results.nominal import NominalCase
 from campaigns.results.validate import Beyond, Later, Unseen
@@ -226,8 +226,7 @@ def _influence(problem: Problem, evidence: Evidence) -> Condition:
     quantity, unit = symbol(problem.quantity), problem.unit
     by = varies(evidence, problem.threshold)
     if not by:
-        choose = "; choose parameters that the encounter depends on"
-        return False, say("no uncertain parameter changes ", quantity, choose)
+        return False, _no_effect(problem, evidence)
     measured = evidence.nominal.measured
     if measured is not None and measured.deviation and by <= rules.ABOVE_NOISE.value * measured.deviation:
         noise = number(measured.deviation, unit, "deviation")
@@ -237,6 +236,32 @@ def _influence(problem: Problem, evidence: Evidence) -> Condition:
         )
     parameters = problem.symbols
     least = rules.ROUNDING.value * by
-    without = [parameters[path] for path, change in evidence.encounter.influence.items() if change <= least]
+    changes, no_value = evidence.encounter.influence, evidence.encounter.no_value
+    without = [parameters[path] for path, change in changes.items() if change <= least and path not in no_value]
     statement = say(quantity, " varies by ", number(by, unit, "varies"), " over the evaluations")
-    return True, say(statement, "; varying these alone has no effect: ", listed(without)) if without else statement
+    statement = say(statement, "; varying these alone has no effect: ", listed(without)) if without else statement
+    for path, statuses in no_value.items():
+        if changes.get(path, 0.0) <= least:
+            seen = (
+                " alone changes no value, but evaluations"
+                if path in changes
+                else " alone has no known effect: evaluations"
+            )
+            statement = say(statement, "; varying ", parameters[path], seen, " along it ", ending(statuses))
+    return True, statement
+
+
+def _no_effect(problem: Problem, evidence: Evidence) -> Spans:
+    """That the criterion does not vary, or that its evaluations cannot show whether it does."""
+    spread, quantity = evidence.encounter.spread, symbol(problem.quantity)
+    unknown = "the effect of the uncertain parameters is not known: "
+    if not spread.evaluations:
+        return say(unknown, "no evaluation has a value")
+    if spread.one_point:
+        return say(unknown, "only one point has a value; choose bounds within which evaluations succeed")
+    lost = evidence.failed + evidence.excluded
+    ended = [Status.FAILED] * bool(evidence.failed) + [Status.EXCLUDED] * bool(evidence.excluded)
+    but = (
+        say(", but ", count(lost), " of ", count(evidence.evaluations), " evaluations ", ending(ended)) if lost else ()
+    )
+    return say("no uncertain parameter changes ", quantity, but, "; choose parameters that the encounter depends on")

@@ -22,7 +22,7 @@ interface EncounterProps {
 
 export function EncounterCard({ data, encounter }: EncounterProps) {
   const { run, findings, parameters } = data
-  const { closest, beyond, moved, unseen, spread, influence } = encounter
+  const { closest, beyond, moved, unseen, spread, influence, no_value } = encounter
   const quantity = <Sign text={run.quantity || 'value'} />
   const largest = Math.max(...Object.values(influence), 0)
   return (
@@ -59,17 +59,23 @@ export function EncounterCard({ data, encounter }: EncounterProps) {
         </dd>
         <dt>Largest change by one parameter alone</dt>
         <dd>
-          {Object.entries(influence).map(([path, by], i) => (
+          {Object.keys({ ...influence, ...no_value }).map((path, i) => (
             <span key={path}>
               {i > 0 && '; '}
               <Sign text={parameters.find((p) => p.path === path)?.symbol ?? path} path={path} />:{' '}
-              {fixed(by, decimalsFor([largest], 3))} {run.unit}
+              {path in influence ? `${fixed(influence[path], decimalsFor([largest], 3))} ${run.unit}` : 'not known'}
+              {no_value?.[path] && <span className="unk-t"> (evaluations along it {ending(no_value[path])})</span>}
             </span>
           ))}
         </dd>
       </dl>
     </Card>
   )
+}
+
+function ending(statuses: readonly string[]) {
+  const fail = statuses.some((status) => status !== 'ok' && status !== 'excluded')
+  return [fail && 'fail', statuses.includes('excluded') && 'are excluded'].filter(Boolean).join(' or ')
 }
 
 function Closest({ name, approach: { time, at, obstacle } }: { name: string; approach: ClosestApproach }) {

@@ -10,6 +10,7 @@ from hypothesis import settings
 from hypothesis import strategies as st
 
 from campaigns.codes import CheckCode
+from campaigns.results.base import Status
 from campaigns.results.finding import Repeated
 from campaigns.results.search import Apart, Member, SearchResult
 from campaigns.results.slices import Curve
@@ -36,7 +37,7 @@ from tests.given.verdict_evidence import (
     validation,
     violation,
 )
-from worker.engine.stages.parts.encounter import influence
+from worker.engine.stages.parts.encounter import influence, no_value
 
 
 def test_cleared_when_everything_holds() -> None:
@@ -413,6 +414,16 @@ def test_only_parameters_with_slices_are_reported_as_without_effect() -> None:
     assert influence([]) == {}
     assert influence([curve("a", 1.0), curve("b", None, 2.0)]) == {}
     assert influence([curve("a", 1.0, 3.0, None), curve("a", 2.0, 2.5), curve("b", 4.0, 4.0)]) == {"a": 2.0, "b": 0.0}
+
+
+def test_what_has_no_value_along_the_slices_of_a_parameter_is_recorded() -> None:
+    def curve(path: str, *ends: Status) -> Curve:
+        costs = [1.0 if end == Status.OK else None for end in ends]
+        return Curve(path=path, values=[float(k) for k in range(len(ends))], costs=costs, status=[*ends])
+
+    ok, failed, excluded = Status.OK, Status.FAILED, Status.EXCLUDED
+    every = [curve("a", ok, failed), curve("b", ok, ok), curve("a", excluded, ok), curve("c", excluded)]
+    assert no_value(every) == {"a": [excluded, failed], "c": [excluded]}
 
 
 def test_the_target_is_met() -> None:

@@ -8,7 +8,7 @@ import pytest
 
 from campaigns.results.base import Stop
 from campaigns.results.finding import ClosestApproach, HalfStep, ReferenceCost
-from campaigns.results.validate import Beyond, Later, Unseen, Violations
+from campaigns.results.validate import Beyond, Later, Spread, Unseen, Violations
 from campaigns.stages.certify import CertifyResult
 from clearance.testing.problems import Problem
 from tests.given.case_campaigns import campaign, document
@@ -156,52 +156,99 @@ def test_an_encounter_that_did_not_occur_bars_cleared(given: dict[str, Any], nam
     assert statement in barred(name, **given).text
 
 
-@pytest.mark.parametrize(
-    ("cut_short", "statement"),
-    [
-        (None, "none of 302 flights comes closer beyond it"),
-        (0, "none of 302 flights comes closer beyond it"),
-        (1, "comes closer beyond it; 1 of them fails after it, before 30 s, extrapolated from there"),
-        (301, "comes closer beyond it; 301 of them fail after it, before 30 s, extrapolated from there"),
-    ],
-)
-def test_the_flights_that_fail_after_the_horizon_are_stated(cut_short: int | None, statement: str) -> None:
-    conclusion = concluded(**met(beyond=Beyond(times=2.0, flights=302, cut_short=cut_short, closer=0, lowest=None)))
-    assert check_of("closest approach", conclusion).ok
-    assert check_of("closest approach", conclusion).text.endswith(statement)
+def none_closer(cut_short: int | None) -> dict[str, Any]:
+    return met(beyond=Beyond(times=2.0, flights=302, cut_short=cut_short, closer=0, lowest=None))
+
+
+def diverged(without: Unseen, moved: float | None = 9.2) -> dict[str, Any]:
+    """A nominal case that fails."""
+    shown = met(closest=ClosestApproach(), moved=moved, unseen=without)
+    return {"nominal": nominal(None, "it diverged"), **shown}
+
+
+def along(changes: dict[str, float], **no_value: list[str]) -> dict[str, Any]:
+    return met(
+        influence={f"vehicle.{name}": by for name, by in changes.items()},
+        no_value={f"vehicle.{name}": statuses for name, statuses in no_value.items()},
+    )
+
+
+FLAT = Spread(evaluations=3343, lowest=NOMINAL, highest=NOMINAL)
+EXCLUDED = Unseen(cost=None, status="excluded", reason="too close", deviation=None)
 
 
 @pytest.mark.parametrize(
-    ("closest", "moved", "without", "name", "statement"),
+    ("name", "ok", "given", "statement"),
     [
+        ("closest approach", True, none_closer(None), "flights comes closer beyond it"),
+        ("closest approach", True, none_closer(0), "flights comes closer beyond it"),
         (
-            ClosestApproach(), 9.2, unseen(0.38), "avoidance",
+            "closest approach", True, none_closer(1),
+            "closer beyond it; 1 of them fails after it, before 30 s, extrapolated from there",
+        ),
+        ("closest approach", True, none_closer(301), "301 of them fail after it, before 30 s, extrapolated from there"),
+        ("closest approach", False, diverged(unseen(0.38)), "no closest approach is known for nominal"),
+        (
+            "motion", False, diverged(unseen(0.38)),
+            "the vehicle moves 9.2 m in the nominal case, which has no closest approach to compare this with",
+        ),
+        ("motion", False, diverged(unseen(0.38), None), "motion is unknown: the nominal case has no trace"),
+        (
+            "avoidance", False, diverged(unseen(0.38)),
             "with it the nominal case fails (it diverged), without it d_min is 0.38 m; choose a nominal case that the "
             "vehicle completes",
         ),
         (
-            ClosestApproach(), 9.2, unseen(None, "a stall"), "avoidance",
-            "the nominal case fails (it diverged), and without avoidance it fails (a stall); choose a nominal case that",
+            "avoidance", False, diverged(unseen(None, "a stall")),
+            "the nominal case fails (it diverged), and without avoidance it fails (a stall); choose a nominal case "
+            "that the vehicle completes",
         ),
         (
-            ClosestApproach(), 9.2, Unseen(cost=None, status="excluded", reason="too close", deviation=None),
-            "avoidance", "and without avoidance it is excluded (too close); choose",
+            "avoidance", False, diverged(EXCLUDED),
+            "and without avoidance it is excluded (too close); choose a nominal case that the vehicle completes",
+        ),
+        ("influence", True, along({"m": 0.1, "J": 0.0}), "; varying these alone has no effect: vehicle.J"),
+        (
+            "influence", True, along({"m": 0.1, "J": 0.0}, J=["failed"], m=["failed"]),
+            "over the evaluations; varying vehicle.J alone changes no value, but evaluations along it fail",
         ),
         (
-            ClosestApproach(), 9.2, unseen(0.38), "motion",
-            "the vehicle moves 9.2 m in the nominal case, which has no closest approach to compare this with",
+            "influence", True, along({"m": 0.1, "J": 0.0}, J=["excluded"]),
+            "varying vehicle.J alone changes no value, but evaluations along it are excluded",
         ),
-        (ClosestApproach(), None, unseen(0.38), "motion", "is unknown: the nominal case has no trace"),
-        (ClosestApproach(), 9.2, unseen(0.38), "closest approach", "no closest approach is known for nominal"),
+        (
+            "influence", True, along({"m": 0.1, "J": 0.0}, J=["excluded", "timeout"]),
+            "varying vehicle.J alone changes no value, but evaluations along it fail or are excluded",
+        ),
+        (
+            "influence", True, along({"m": 0.1}, J=["failed"]),
+            "over the evaluations; varying vehicle.J alone has no known effect: evaluations along it fail",
+        ),
+        (
+            "influence", False, met(spread=FLAT),
+            "no uncertain parameter changes d_min; choose parameters that the encounter depends on",
+        ),
+        (
+            "influence", False, met(spread=FLAT) | {"failed": 12, "excluded": 1},
+            "changes d_min, but 13 of 3\u202f343 evaluations fail or are excluded; choose parameters that the "
+            "encounter depends on",
+        ),
+        (
+            "influence", False, met(spread=changed(FLAT, one_point=True)) | {"failed": 12},
+            "is not known: only one point has a value; choose bounds within which evaluations succeed",
+        ),
+        (
+            "influence", False, met(spread=Spread(evaluations=0, lowest=None, highest=None)) | {"failed": 3343},
+            "the effect of the uncertain parameters is not known: no evaluation has a value",
+        ),
     ],
 )  # fmt: skip
-def test_of_a_nominal_case_that_fails_only_what_is_known_is_stated(
-    closest: ClosestApproach, moved: float | None, without: Unseen, name: str, statement: str
+def test_of_an_encounter_only_what_is_known_is_stated(
+    name: str, ok: bool, given: dict[str, Any], statement: str
 ) -> None:
-    given = met(closest=closest, moved=moved, unseen=without)
-    found = check_of(name, concluded(nominal=nominal(None, "it diverged"), **given))
-    assert not found.ok
-    assert statement in found.text
+    found = check_of(name, concluded(**given))
+    assert found.ok is ok
+    assert found.text.endswith(statement)
 
 
 def late(value: float = 0.69, simulated: bool = True, closer: int = 302) -> dict[str, Any]:

@@ -12,7 +12,7 @@ from collections.abc import Iterable, Sequence
 import numpy as np
 
 from campaigns.limits import ROUNDING
-from campaigns.results.base import OK
+from campaigns.results.base import OK, Status
 from campaigns.results.finding import ClosestApproach, Finding
 from campaigns.results.slices import Curve
 from campaigns.results.validate import Beyond, Encounter, Spread
@@ -28,13 +28,14 @@ def encounter(
 ) -> Encounter:
     """The evidence of the run. curves: all slices, through the nominal point and the findings."""
     shown = optional.encounter(context.problem.system, nominal)
-    spread = _spread(context, position)
+    spread, curves = _spread(context, position), [*curves]
     return Encounter(
         closest=ClosestApproach() if shown is None else shown.closest,
         moved=None if shown is None else shown.moved,
         unseen=None if shown is None else shown.unseen,
         spread=spread,
         influence=influence(curves),
+        no_value=no_value(curves),
         beyond=None if spread.lowest is None else _beyond(context, findings, spread.lowest),
     )
 
@@ -62,11 +63,15 @@ def _beyond(context: Context, findings: Sequence[Finding], lowest: float) -> Bey
 
 def _spread(context: Context, position: int) -> Spread:
     """Lowest and highest cost of all stored evaluations."""
-    costs = [c.costs[c.status == OK, 0] for _, c in all_columns(context, [*range(position + 1)])]
-    known = np.concatenate([*costs, np.empty(0)])
+    every = [
+        (c.costs[c.status == OK, 0], c.points[c.status == OK]) for _, c in all_columns(context, [*range(position + 1)])
+    ]
+    known = np.concatenate([*(costs for costs, _ in every), np.empty(0)])
     if not len(known):
         return Spread(evaluations=0, lowest=None, highest=None)
-    return Spread(evaluations=len(known), lowest=float(known.min()), highest=float(known.max()))
+    first = next(points[0] for _, points in every if len(points))
+    one = all(bool((points == first).all()) for _, points in every)
+    return Spread(evaluations=len(known), lowest=float(known.min()), highest=float(known.max()), one_point=one)
 
 
 def influence(curves: Iterable[Curve]) -> dict[str, float]:
@@ -78,3 +83,14 @@ def influence(curves: Iterable[Curve]) -> dict[str, float]:
         if len(known) > 1:
             found[curve.path] = max(found.get(curve.path, 0.0), max(known) - min(known))
     return found
+
+
+def no_value(curves: Iterable[Curve]) -> dict[str, list[Status]]:
+    """How the evaluations without a value ended along the slices of a parameter, by path; only of those that have
+    such."""
+    found: dict[str, set[Status]] = {}
+    for curve in curves:
+        ended = {status for status, cost in zip(curve.status, curve.costs, strict=True) if cost is None}
+        if ended:
+            found[curve.path] = found.get(curve.path, set()) | ended
+    return {path: sorted(ended) for path, ended in found.items()}

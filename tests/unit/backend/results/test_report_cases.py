@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+import re
 from types import SimpleNamespace
 from typing import Any
 
 from backend.reports import validation
 from backend.reports.figures import Quantity
+from campaigns.results.base import Status, ending
 from campaigns.results.finding import Calls, Neighbours, Validation
+from campaigns.results.validate import Beyond, Later
+from tests.given.verdict_evidence import encountered
 
 
 def row(**changes: Any) -> dict[str, object]:
@@ -29,3 +33,34 @@ def test_neighbours_that_failed_are_counted() -> None:
     around = Neighbours(flown=300, failed=7, lowest=1.25, lower_by=None)
     assert row(neighbours=around)["neighbours"] == "300, 7 failed"
     assert row(neighbours=around.model_copy(update={"failed": 0}))["neighbours"] == "300"
+
+
+def encounter(**changes: Any) -> dict[str, str]:
+    """The rows on the encounter, as text."""
+    validated = SimpleNamespace(encounter=encountered(**changes))
+    of = Quantity("d_min", "m", None)
+    record: Any = SimpleNamespace(of=of, validated=validated, findings=[], symbol_html=lambda path: path)
+    return {re.sub("<[^>]*>", "", name): str(text) for name, text in validation.encounter(record)}
+
+
+def test_flights_that_fail_after_the_horizon_are_counted() -> None:
+    later = Later(name="F1", value=0.5, time=2.0, obstacle=0, distance=3.0, closing=1.0, simulated=True, until=71.5)
+    some = Beyond(times=2.0, flights=302, cut_short=301, closer=1, lowest=later)
+
+    def numbers(changes: dict[str, Any]) -> list[str]:
+        text = encounter(beyond=some.model_copy(update=changes))["Beyond the horizon"]
+        return re.findall(r"(?<![F\d.])\d+(?:\.\d+)?", text)
+
+    assert numbers({}) == ["1", "302", "301", "1", "3", "1", "71.5", "0.5", "2"]
+    assert numbers({"cut_short": 1, "lowest": None}) == ["1", "302", "1"]
+    assert numbers({"cut_short": 0, "lowest": None}) == numbers({"cut_short": None, "lowest": None}) == ["1", "302"]
+
+
+def test_a_change_along_a_slice_names_evaluations_without_a_value() -> None:
+    no_value = {"a": [Status.FAILED, Status.EXCLUDED], "c": [Status.EXCLUDED]}
+    text = list(encounter(influence={"a": 0.0, "b": 1.0}, no_value=no_value).values())[-1]
+    a, b, c = text.split("; ")
+    assert ending(no_value["a"]) in a
+    assert ending(no_value["c"]) in c
+    assert (a.split()[:3], b.split(), c.split()[0]) == (["a", "0", "m"], ["b", "1", "m"], "c")
+    assert "0" not in c

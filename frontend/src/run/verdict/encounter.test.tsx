@@ -1,0 +1,40 @@
+// The card of the encounter: flights that fail after the horizon, parameters along which evaluations have no value.
+import { renderToStaticMarkup } from 'react-dom/server'
+import { expect, it, vi } from 'vitest'
+import { run } from '../../../tests/fixtures'
+import type { Encounter } from '../../client'
+import { asCampaign } from '../../api/campaign'
+import { EncounterCard } from './EncounterCard'
+
+vi.mock('../../help/links', () => ({ HelpLink: () => null }))
+
+const shown = (changes: object) => {
+  const encounter = {
+    closest: { time: 7.5, at: 'inside', obstacle: 0 }, moved: 9, unseen: null,
+    spread: { evaluations: 300, lowest: 0.8, highest: 1 }, influence: {}, ...changes,
+  } as unknown as Encounter
+  const of = run()
+  const data = { run: of, campaign: asCampaign(of.campaign), findings: [], stages: [], parameters: [] } as never
+  return renderToStaticMarkup(<EncounterCard data={data} encounter={encounter} className={undefined} />)
+    .replaceAll(/<[^>]*>/g, '')
+}
+
+const beyond = { times: 2, flights: 302, closer: 1, cut_short: 301 }
+const later = { name: 'F1', value: 0.5, time: 2, obstacle: 0, distance: 3, closing: 1, simulated: true }
+
+it('states how many flights fail after the horizon, and when the lowest one does', () => {
+  const html = shown({ beyond: { ...beyond, lowest: { ...later, until: 71.4 } } })
+  expect(html).toContain('; 301 fail after the horizon, extrapolated from there')
+  expect(html).toContain(', fails after 71.4 s')
+  expect(shown({ beyond: { ...beyond, cut_short: 1, lowest: null } })).toContain('; 1 fails after')
+  const none = shown({ beyond: { ...beyond, cut_short: 0, lowest: later } })
+  expect(none).toContain('come closer')
+  expect(none).not.toContain('fail')
+})
+
+it('names the parameters along which evaluations have no value', () => {
+  const html = shown({ influence: { a: 0, b: 1 }, no_value: { a: ['failed', 'excluded'], c: ['excluded'] } })
+  expect(html).toMatch(/a: 0\S* m \(evaluations along it fail or are excluded\)/)
+  expect(html).toContain('c: not known (evaluations along it are excluded)')
+  expect(html).toMatch(/b: 1\S* m; /)
+})

@@ -85,6 +85,7 @@ def test_the_audit_has_the_same_limits() -> None:
         "LOWEST",
         "SHARED",
         "CALLED",
+        "AFTER",
         "BASINS",
         "RULES",
         "SMALLEST",

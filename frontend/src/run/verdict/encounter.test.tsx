@@ -15,7 +15,7 @@ const shown = (changes: object) => {
   } as unknown as Encounter
   const of = run()
   const data = { run: of, campaign: asCampaign(of.campaign), findings: [], stages: [], parameters: [] } as never
-  return renderToStaticMarkup(<EncounterCard data={data} encounter={encounter} className={undefined} />)
+  return renderToStaticMarkup(<EncounterCard data={data} encounter={encounter} />)
     .replaceAll(/<[^>]*>/g, '')
 }
 

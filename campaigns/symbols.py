@@ -6,11 +6,14 @@ path, `obstacles.0.position.y`. `frontend/src/format/names.ts` writes the same n
 
 from __future__ import annotations
 
+import re
 from collections import Counter
 from collections.abc import Iterable, Mapping
 
 OF = " of "
 """Separates the symbol from the part it belongs to; no symbol has a space."""
+_THRESHOLD = re.compile(r"(criterion|objectives\.\d+)\.threshold")
+"""The path of a criterion's threshold."""
 _PARTS = {
     "vehicle": "the vehicle",
     "controller": "the controller",
@@ -28,9 +31,13 @@ _LISTS = {
 
 
 def labels(paths: Iterable[str], symbols: Mapping[str, str]) -> dict[str, str]:
-    """The name of each path; symbols: of all parameters of the campaign, by path."""
+    """The name of each path; symbols: of all parameters of the campaign, by path, empty for those without one.
+
+    A threshold is a field of the campaign, and no catalogue has it: its symbol is shown nowhere, and counts nowhere.
+    """
     wanted = list(paths)
-    named = {path: path.rpartition(".")[2] for path in wanted} | dict(symbols)
+    shown = {path: symbol for path, symbol in symbols.items() if path in wanted or not _THRESHOLD.fullmatch(path)}
+    named = {path: shown.get(path) or path.rpartition(".")[2] for path in (*wanted, *shown)}
     counts = Counter(named.values())
     names = {path: symbol if counts[symbol] == 1 else name_of(path, symbol) for path, symbol in named.items()}
     shared = Counter(names.values())  # two parameters of one part may have the same symbol

@@ -17,6 +17,17 @@ it('names a parameter by its symbol alone if no other has it, and by its path wh
   expect(namesOf(['a.q', 'b.q'], new Map())).toEqual(new Map([['a.q', 'a.q'], ['b.q', 'b.q']]))
 })
 
+it('does not count the symbol of a threshold, which no catalogue has', () => {
+  const own = [['criterion.threshold', 'c'], ['objectives.0.threshold', 'c']] as const
+  expect(namesOf(['vehicle.drag'], new Map([['vehicle.drag', 'c'], ...own])).get('vehicle.drag')).toBe('c')
+  expect(namesOf(['vehicle.drag'], new Map([['vehicle.drag', 'c'], ['faults.0.threshold', 'c']])).get('vehicle.drag')).toBe('c of the vehicle')
+})
+
+it('names a parameter without a symbol by the last part of its path', () => {
+  expect(namesOf(['simulator.a'], new Map([['simulator.a', ''], ['simulator.b', '']])).get('simulator.a')).toBe('a')
+  expect(namesOf(['vehicle.m'], new Map([['vehicle.m', ''], ['start.m', '']])).get('vehicle.m')).toBe('m of the vehicle')
+})
+
 it('separates the symbol of a name from its part', () => {
   expect(apart('omega_r of obstacle 1')).toEqual(['omega_r', ' of obstacle 1'])
 })

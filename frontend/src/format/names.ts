@@ -3,6 +3,8 @@
 
 /** Separates the symbol from the part it belongs to; no symbol has a space. */
 const OF = ' of '
+/** The path of a criterion's threshold. */
+const THRESHOLD = /^(criterion|objectives\.\d+)\.threshold$/
 const PARTS = ['vehicle', 'controller', 'avoider', 'start', 'goal', 'criterion']
 const LISTS: Record<string, string> = {
   obstacles: 'obstacle',
@@ -11,9 +13,14 @@ const LISTS: Record<string, string> = {
   objectives: 'further criterion',
 }
 
-/** A name for each path; symbols: of all parameters of the campaign, by path. */
+/**
+ * A name for each path; symbols: of all parameters of the campaign, by path, empty for those without one.
+ *
+ * A threshold is a field of the campaign, and no catalogue has it: its symbol is shown nowhere, and counts nowhere.
+ */
 export function namesOf(paths: readonly string[], symbols: ReadonlyMap<string, string>): Map<string, string> {
-  const all = new Map([...paths.map((path) => [path, lastOf(path)] as const), ...symbols])
+  const shown = [...symbols.keys()].filter((path) => paths.includes(path) || !THRESHOLD.test(path))
+  const all = new Map([...paths, ...shown].map((path) => [path, symbols.get(path) || lastOf(path)]))
   const counted = tally([...all.values()])
   const names = new Map([...all].map(([path, symbol]) => [path, counted.get(symbol) === 1 ? symbol : nameOf(path, symbol)]))
   // Two parameters of one part may have the same symbol.

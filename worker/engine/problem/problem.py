@@ -98,7 +98,7 @@ class Problem:
     @cached_property
     def symbols(self) -> dict[str, Part]:
         """The uncertain parameters for use in sentences, by path; shown by symbol if that is unique."""
-        plain = {p.path: p.symbol or p.path.rpartition(".")[2] for p in self.system.parameters}
+        plain = {p.path: p.symbol for p in self.system.parameters}
         return {path: symbol(path, label) for path, label in labels(self.campaign.uncertain, plain).items()}
 
     def quantile(self, uniform: Floats) -> Floats:

@@ -25,7 +25,7 @@ import type {
   TraceData,
   TraceInfo,
 } from '../../client'
-import { lastOf, namesOf } from '../../format/names'
+import { namesOf } from '../../format/names'
 import { boundsOf, numberOf, parametersOf } from '../../launch/campaign/parameters'
 import { methodLook } from '../../ui/methods'
 import { usePolling } from '../../ui/usePolling'
@@ -157,7 +157,7 @@ function useFreshAtEnd(id: string, over: boolean): void {
 export function uncertainOf(campaign: Campaign, catalogue: Catalogue | undefined): UncertainParameter[] {
   const all = catalogue ? parametersOf(campaign, catalogue) : []
   const known = new Map(all.map((p) => [p.path, p]))
-  const symbols = new Map(all.map(({ path, entry }) => [path, entry.symbol || lastOf(path)]))
+  const symbols = new Map(all.map(({ path, entry }) => [path, entry.symbol]))
   const names = namesOf(Object.keys(campaign.uncertain), symbols)
   return Object.entries(campaign.uncertain).flatMap(([path, uncertain]) => {
     const parameter = known.get(path)

@@ -53,6 +53,19 @@ def test_a_shared_symbol_is_never_shown() -> None:
     assert labels(["a.q", "b.q"], {}) == {"a.q": "a.q", "b.q": "b.q"}
 
 
+def test_the_symbol_of_a_threshold_which_no_catalogue_has_counts_nowhere() -> None:
+    known = {"vehicle.drag": "c"}
+    own = {"criterion.threshold": "c", "objectives.0.threshold": "c"}
+    assert labels(known, known) == labels(known, known | own) == {"vehicle.drag": "c"}
+    of_others = labels(known, known | {"faults.0.threshold": "c", "simulator.threshold": "c"})
+    assert of_others == {"vehicle.drag": "c of the vehicle"}
+
+
+def test_a_parameter_without_a_symbol_is_named_by_the_last_part_of_its_path() -> None:
+    assert labels(["simulator.a"], {"simulator.a": "", "simulator.b": ""}) == {"simulator.a": "a"}
+    assert labels(["vehicle.m"], {"vehicle.m": "", "start.m": ""}) == {"vehicle.m": "m of the vehicle"}
+
+
 def test_a_shared_symbol_names_the_part_it_belongs_to() -> None:
     paths = ["obstacles.0.position.y", "start.y", "faults.2.y", "vehicle.y", "vehicle.b", "sim.y"]
     found = labels(paths, dict.fromkeys(paths, "y"))

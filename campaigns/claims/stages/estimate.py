@@ -13,6 +13,8 @@ OPEN = (
     "this is an estimate from the violations that are known, not a bound: a mode that neither the searches nor this "
     "stage found is not in it"
 )
+MODES_OF = {False: "violations", True: "violations and failed evaluations"}
+"""What the modes of an estimate are of: failed evaluations count among them, if any failed."""
 NO_FINDING, MAY_BE = "a mode that is no finding", "a mode that may be a finding"
 SEED_STATED = "; their seed was stated, not drawn at the launch"
 MISSING = "a mode seems to be missing: "
@@ -67,9 +69,10 @@ def estimated(probability: float, ends: tuple[float, float], confidence: float, 
     )
 
 
-def modes(shares: Sequence[float], hidden: int, carried: float) -> Spans:
-    """The modes, and how much of P(violation) those carry that no search had found."""
-    one = say("its violations are of one mode")
+def modes(shares: Sequence[float], hidden: int, carried: float, failed: bool = False) -> Spans:
+    """The modes, and how much of P(violation) those carry that no search had found; failed: whether evaluations of the
+    stage failed, here and in the other sentences."""
+    one = say(f"its {MODES_OF[failed]} are of one mode")
     several = say(
         "its ", count(len(shares), "modes"), " modes carry ", _every([percent(s, 2) for s in shares]), " of it"
     )
@@ -100,9 +103,9 @@ def _every(parts: Sequence[Part]) -> Spans:
     return say(joined(", ", parts[:-1]), " and " if len(parts) > 1 else "", parts[-1])
 
 
-def whole(first: Spans, modal: Spans) -> Spans:
+def whole(first: Spans, modal: Spans, failed: bool = False) -> Spans:
     """The statement of an estimate with its interval."""
-    return say(first, "; ", modal, "; ", OPEN)
+    return say(first, "; ", modal, "; ", OPEN.replace("violations", MODES_OF[failed], 1))
 
 
 def alarmed(alarms: Sequence[Spans]) -> Spans:
@@ -115,11 +118,16 @@ def refused(why: Spans) -> Spans:
     return say("P(violation) was not estimated: ", why)
 
 
-def contradicted(violations: int, samples: int, probability: float) -> Spans:
+def contradicted(violations: int, samples: int, probability: float, failed: bool = False) -> Spans:
     """An independent sample has other violations than the interval allows."""
     expected = samples * probability
     begun = MISSING if violations > expected else "the independent sample contradicts it: "
-    of = say(count(violations, "violations"), " of ", count(samples, "samples"), " independent evaluations violate")
+    of = say(
+        count(violations, "violations"),
+        " of ",
+        count(samples, "samples"),
+        f" independent evaluations violate{' or failed' if failed else ''}",
+    )
     return say(begun, of, ", where the estimate expects ", number(expected, "", "expected", 2))
 
 
@@ -134,11 +142,10 @@ def few(effective: float, needed: float) -> Spans:
     return say(rests, ", ", number(needed), " are needed; give more evaluations")
 
 
-def unexplained(left: int, budget: int) -> Spans:
+def unexplained(left: int, budget: int, failed: bool = False) -> Spans:
     """Violations were left of which the mode is not known."""
-    of = say(
-        count(left, "unexplained"), f" {'violation belongs' if left == 1 else 'violations belong'} to no known mode"
-    )
+    what = ("violation", "violation or failed evaluation")[failed] if left == 1 else MODES_OF[failed]
+    of = say(count(left, "unexplained"), f" {what} {'belongs' if left == 1 else 'belong'} to no known mode")
     return say(
         MISSING, of, ", and the budget of ", count(budget, "budget"), " did not suffice to examine them; give more"
     )

@@ -86,6 +86,7 @@ def test_the_audit_has_the_same_limits() -> None:
         "SHARED",
         "CALLED",
         "AFTER",
+        "VIOLATING",
         "BASINS",
         "RULES",
         "SMALLEST",

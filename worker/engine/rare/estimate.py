@@ -118,7 +118,7 @@ def _started(violations: Floats, allowed: Allowance, keep: int) -> Asking[tuple[
     if allowed.left < max(needed, LEAST_BUDGET):
         return Refused("budget", max(needed, LEAST_BUDGET))
     seen = yield from evaluated(violations, allowed)
-    if not seen.violates.any():
+    if not (seen.violates & ~seen.failed).any():
         return Refused("no_violation")
     known = Known.none(n)
     left = yield from explained(violations[seen.violates], known, allowed, keep + others, origins=True)

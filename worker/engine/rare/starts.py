@@ -14,7 +14,12 @@ TAIL = 1e-9
 
 
 def chosen(points: Floats, costs: Floats, budget: int) -> NDArray[np.int64]:
-    """Rows of violations (m, n) of the unit cube, the lowest first; infinite costs are of failed evaluations."""
+    """Rows of violations (m, n) of the unit cube, the lowest first; infinite costs are of failed evaluations.
+
+    Without a violation there is no row: what only fails says nothing of violations.
+    """
+    if not (costs < np.inf).any():
+        return np.empty(0, dtype=np.int64)
     left, found = np.argsort(costs, kind="stable"), list[int]()
     while len(left) and len(found) < min(MOST, budget // EACH):
         found.append(int(left[0]))

@@ -59,7 +59,10 @@ def run(context: Context, position: int) -> Outcome[EstimateResult]:
 
 
 def _violations(context: Context, position: int, budget: int) -> tuple[Floats, list[Origin]]:
-    """Stored violations, the lowest first, and failed evaluations after them, that are apart; and where they are."""
+    """Stored violations, the lowest first, and failed evaluations after them, that are apart; and where they are.
+
+    Empty without a violation.
+    """
     problem, points, costs, origins = context.problem, [np.empty((0, context.problem.dimension))], [np.empty(0)], []
     for at, columns in all_columns(context, list(range(position))):
         ok = columns.status == OK
@@ -122,7 +125,8 @@ def _estimated(
     """The numbers of an estimate with their sentences; no interval with an alarm."""
     found, (first, count) = made.interval, made.sampled
     size = int(np.count_nonzero(columns.status[first : first + count] != EXCLUDED))
-    alarms = [_alarm(alarm, size, found.probability, budget) for alarm in made.alarms]
+    failed = bool(np.isin(columns.status, (OK, EXCLUDED), invert=True).any())
+    alarms = [_alarm(alarm, size, found.probability, budget, failed) for alarm in made.alarms]
     beyond = _beyond(empty.outside, size, count)
     low, high = found.low * (1.0 - beyond), min(1.0, found.high + beyond)
     if alarms:
@@ -132,7 +136,8 @@ def _estimated(
         draws = sentences.Draws(*numbers, not empty.drawn_at_launch)
         about = sentences.estimated(found.probability, (low, high), empty.confidence, draws)
         hidden = [mode.share for mode in modes if not mode.origins]
-        statement = sentences.whole(about, sentences.modes([m.share for m in modes], len(hidden), sum(hidden)))
+        shown = sentences.modes([m.share for m in modes], len(hidden), sum(hidden), failed)
+        statement = sentences.whole(about, shown, failed)
     drawn = {
         "probability": found.probability,
         "low": None if alarms else low,
@@ -171,17 +176,17 @@ def _mode(problem: Problem, mode: Mode, origins: list[Origin]) -> ViolationMode:
     )
 
 
-def _alarm(alarm: Alarm, size: int, probability: float, budget: int) -> EstimateAlarm:
-    """An alarm with its sentence; size: of the independent sample."""
+def _alarm(alarm: Alarm, size: int, probability: float, budget: int, failed: bool) -> EstimateAlarm:
+    """An alarm with its sentence; size: of the independent sample; failed: whether evaluations of the stage failed."""
     match alarm.why:
         case "sample":
-            statement = sentences.contradicted(int(alarm.value), size, probability)
+            statement = sentences.contradicted(int(alarm.value), size, probability, failed)
         case "weight":
             statement = sentences.single(alarm.value)
         case "few":
             statement = sentences.few(alarm.value, FEWEST)
         case "unexplained":
-            statement = sentences.unexplained(int(alarm.value), budget)
+            statement = sentences.unexplained(int(alarm.value), budget, failed)
         case "unsaturated":
             statement = sentences.unsaturated(int(alarm.value))
     return EstimateAlarm(why=alarm.why, value=alarm.value, statement=statement)

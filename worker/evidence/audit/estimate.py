@@ -99,7 +99,7 @@ def estimated(run: Run, k: int) -> Estimation:
     """What the result of the stage must state."""
     stated = run.claims["results"][k]
     found = made(Estimation, outside=run.outside(), confidence=run.campaign.confidence, **REST)
-    if stated.get("refused") is not None:
+    if stated.get("refused") is not None or not _known(run, k, run.wording < limits.VIOLATING):
         return _refused(run, k, found)
     points, _, status = run.rows(k)
     outside = _beyond(run, points)
@@ -246,13 +246,13 @@ def _at_most(events: int, samples: int, p: float) -> float:
 def _with_statement(
     run: Run, k: int, alarm: EstimateAlarm, sample: tuple[int, int], probability: float
 ) -> EstimateAlarm:
-    value, budget = alarm.value, run.plan[k].planned
+    value, budget, failed = alarm.value, run.plan[k].planned, _failed(run, k)
     worded = {
-        "unexplained": lambda: templates.unexplained(int(value), budget),
+        "unexplained": lambda: templates.unexplained(int(value), budget, failed),
         "weight": lambda: templates.single(value),
         "few": lambda: templates.few(value, FEWEST),
         "unsaturated": lambda: templates.unsaturated(int(value)),
-        "sample": lambda: templates.contradicted(*sample, probability),
+        "sample": lambda: templates.contradicted(*sample, probability, failed),
     }
     return alarm if run.reworded else changed(alarm, statement=worded[alarm.why]())
 
@@ -284,17 +284,23 @@ def _statement(run: Run, k: int, found: Estimation, excluded: int) -> Spans:
     )
     shares = [mode.share for mode in found.modes]
     hidden = [share for share, mode in zip(shares, stated["modes"], strict=True) if not mode["origins"]]
-    return templates.whole(about, templates.modes(shares, len(hidden), sum(hidden)))
+    failed = _failed(run, k)
+    return templates.whole(about, templates.modes(shares, len(hidden), sum(hidden), failed), failed)
+
+
+def _failed(run: Run, k: int) -> bool:
+    """Whether evaluations of the stage failed, which its sentences count among violations."""
+    return any(status not in (OK, EXCLUDED) for status in np.unique(run.rows(k)[2]))
 
 
 def _refused(run: Run, k: int, found: Estimation) -> Estimation:
     """Why there is no estimate; the least budget is taken as given if the search cannot be repeated."""
     n, budget, again = len(run.bounds), run.plan[k].planned, run.searched.get(k)
-    stated = run.claims["results"][k]["refused"]
+    stated = run.claims["results"][k].get("refused") or {"why": "", "limit": 0}
     why, limit = str(stated["why"]), int(stated["limit"])
     if run.calls.noisy:
         why, limit = "noise", 0
-    elif not any(_violates(run, at).any() for at in range(k)):
+    elif not _known(run, k, run.wording < limits.VIOLATING and why != "no_violation"):
         why, limit = "no_violation", 0
     elif n > MOST:
         why, limit = "parameters", MOST
@@ -313,6 +319,12 @@ def _refused(run: Run, k: int, found: Estimation) -> Estimation:
     none = dict.fromkeys(("probability", "low", "high", "variation", "effective"))
     found = changed(found, **none, draws=0, failed_draws=0, modes=[], alarms=[], refused=refused)
     return found if run.reworded else changed(found, statement=templates.refused(statement))
+
+
+def _known(run: Run, k: int, failed: bool) -> bool:
+    """Whether a stage before has a violation, without which nothing is estimated; failed: whether a failed evaluation
+    is enough, as in earlier versions."""
+    return any((_violates(run, at) & (failed | (run.rows(at)[2] == OK))).any() for at in range(k))
 
 
 def _near(value: Any, claim: Any) -> Any:

@@ -26,7 +26,7 @@ export function EstimateCard({ parameters, result, named }: EstimateProps) {
   return (
     <Card
       title="Estimate of P(violation)"
-      note={draws > 0 ? `${count(draws)} weighted draws over the modes of the violations found` : undefined}
+      note={draws > 0 ? `${count(draws)} weighted draws over the modes found` : undefined}
       id="estimate"
       footer={
         <>

@@ -1,4 +1,4 @@
-// The section of the estimate stage: P(violation) over the modes of the violations that are known.
+// The section of the estimate stage: P(violation) over the modes that are known.
 import { resultWith } from '../../api/stages'
 import { EstimateCard } from '../sample/EstimateCard'
 import { type Added, section } from '../section'

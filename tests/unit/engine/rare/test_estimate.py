@@ -115,3 +115,8 @@ def test_a_single_point_that_violates_gives_no_interval() -> None:
 def test_where_there_is_nothing_to_estimate_from(starts: list[list[float]], budget: int, why: Refused) -> None:
     asking = estimated(np.array(starts), 0.0, budget, np.random.default_rng(1))
     assert carried_out(asking, lambda u: 4.0 - u[:, 0])[0] == why
+
+
+def test_from_failed_evaluations_alone_nothing_is_estimated() -> None:
+    asking = estimated(np.array([[5.0, 0.0], [0.0, 5.0]]), 0.0, BUDGET, np.random.default_rng(1))
+    assert carried_out(asking, lambda u: np.where(u.max(axis=1) > 4.0, np.nan, 1.0))[0] == Refused("no_violation")

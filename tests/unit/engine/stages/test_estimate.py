@@ -151,6 +151,27 @@ def test_without_a_violation_it_states_so_and_evaluates_nothing() -> None:
     assert result.statement == sentences.refused(sentences.NO_VIOLATION)
 
 
+def test_failed_evaluations_alone_are_no_violations_to_estimate_from() -> None:
+    """Neither where they were stored, nor where the violation that was stored fails here."""
+    failing = evaluate(failing=lambda p: p[:, 0] + 2 * p[:, 1] < 0.5)
+    of = after_a_search(flown=failing)
+    result = made(of)
+    assert result.refused is not None
+    assert (result.refused.why, result.probability, result.modes) == ("no_violation", None, [])
+    assert of.store.evaluations(1) is None
+    of = after_a_search()
+    of.evaluate = failing
+    result = made(of)
+    assert result.refused is not None
+    assert (result.refused.why, result.probability, result.modes) == ("no_violation", None, [])
+
+
+def test_its_sentence_names_failed_evaluations_where_its_modes_may_be_of_them() -> None:
+    one, other = (made(after_a_search(flown=flown)).text for flown in (None, evaluate(failing=lambda p: p[:, 0] > 0.9)))
+    assert "from the violations that are known" in one
+    assert "from the violations and failed evaluations that are known" in other
+
+
 def test_failed_evaluations_count_as_violations_in_its_upper_end_only() -> None:
     none, some = (
         made(after_a_search(flown=evaluate(failing=lambda p, part=part: p[:, 0] + 2 * p[:, 1] < part)))

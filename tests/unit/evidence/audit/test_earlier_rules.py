@@ -7,14 +7,23 @@ from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 
 from campaigns import Campaign
+from campaigns.asked.load import load_document
 from campaigns.claims.wording import WORDING
+from campaigns.results.base import FAILED, OK
+from campaigns.results.estimate import Estimation
 from campaigns.results.verdict import VerdictWord
 from tests.given.case_campaigns import CASE1, searching
 from tests.given.corrupted_records import DIRECT, SQP, Folder, copied, made, since, write_called, written
 from tests.given.sampled_stages import DRAWN
+from tests.simulators import noisy
+from tests.simulators.adversaries import Call, adversary
+from worker.engine.rare import estimate as rare
+from worker.engine.rare import starts
+from worker.engine.rare.evaluated import Evaluated
 from worker.engine.stages import validate
 from worker.engine.stages.parts import encounter as shown
 from worker.evidence.audit.judge import EARLIER, closing
@@ -119,6 +128,61 @@ def test_a_simulator_that_was_called_once_is_cleared_in_no_version(
         assert not follows(record, version)
         wrong = {item.name.removeprefix(EARLIER) for item in record.items() if not item.agrees}
         assert "checks.noise of calls" in wrong, version
+
+
+def partly(call: Call) -> int:
+    """Half of the calls fail, and no other violates."""
+    return FAILED if call.b > 0.5 else OK
+
+
+@pytest.fixture
+def of_failures() -> Iterator[Campaign]:
+    """A campaign with an estimate, of which no violation is known, but failed evaluations."""
+    document = noisy.campaign(1.0).document()
+    document["stages"] |= {"certify": None, "estimate": {"evaluations": 1000}}
+    with adversary(lost=partly):
+        yield load_document(document)
+
+
+def estimation(store: MemoryStore) -> Estimation:
+    (stated,) = (s.result.estimation for s in store.stages if s.result is not None and s.result.estimation is not None)
+    return stated
+
+
+@every_version
+def test_that_failed_evaluations_alone_are_no_violations_follows_in_every_version(
+    of_failures: Campaign, versions: Sequence[int | None], tmp_path: Path
+) -> None:
+    store = MemoryStore(sample_seed=DRAWN)
+    execute(of_failures, store, threads=1)
+    refused = estimation(store).refused
+    assert refused is not None
+    assert refused.why == "no_violation"
+    for version, record in copies(copied(made(of_failures, store), tmp_path), versions):
+        assert follows(record, version), version
+
+
+@every_version
+def test_an_estimate_from_failed_evaluations_alone_follows_in_no_version(
+    of_failures: Campaign, versions: Sequence[int | None], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    chosen, started = starts.chosen, rare._started
+
+    def as_violations(*given: Any) -> Any:
+        with pytest.MonkeyPatch.context() as patch:
+            patch.setattr(Evaluated, "violates", property(lambda own: (own.margins <= 0.0) | (own.status == FAILED)))
+            patch.setattr(Evaluated, "failed", property(lambda own: np.zeros(len(own.status), dtype=bool)))
+            return (yield from started(*given))
+
+    monkeypatch.setattr(starts, "chosen", lambda points, costs, n: chosen(points, np.minimum(costs, 1e300), n))
+    monkeypatch.setattr(rare, "_started", as_violations)
+    store = MemoryStore(sample_seed=DRAWN)
+    execute(of_failures, store, threads=1)
+    assert estimation(store).probability == pytest.approx(0.5, abs=0.1)
+    folder = copied(made(of_failures, store), tmp_path)
+    monkeypatch.undo()
+    for version, record in copies(folder, versions):
+        assert not follows(record, version), version
 
 
 @every_version

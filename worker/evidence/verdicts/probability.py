@@ -6,6 +6,7 @@ The probability of draws outside the bounds counts with and without a sample: no
 from __future__ import annotations
 
 from campaigns import rules
+from campaigns.asked.sample_bound import needed
 from campaigns.claims.say import at_most, count, goal, listed, percent, say
 from campaigns.claims.say import probability as share
 from campaigns.claims.spans import Spans
@@ -98,11 +99,18 @@ def _sampled(evidence: Evidence) -> Check:
 
 
 def _advice(sample: Sample) -> Spans:
-    """Advice on a bound above the ceiling: more samples help only if few of them violate."""
-    if sample.violations > rules.CEILING.value * sample.samples:
-        drawn = count(sample.samples, "samples")
+    """Advice on a bound above the ceiling: more samples help only if few of them violate, and few draws lie outside
+    the bounds."""
+    ceiling, drawn = rules.CEILING.value, count(sample.samples, "samples")
+    if not sample.samples:
+        return say("all of its draws were excluded")
+    if sample.violations > ceiling * sample.samples:
         return say(count(sample.violations, "violations"), " of its ", drawn, " samples", violate(sample.failed))
-    return say("draw more than ", count(sample.samples, "samples"), " samples")
+    if needed(sample.violations, sample.samples, ceiling - sample.outside, sample.confidence) is None:
+        beyond = at_most(sample.outside, name="outside")
+        of = (" of the draws lie outside the bounds, which the bound counts ", "whatever the sample; widen the bounds")
+        return say("at most ", beyond, *of)
+    return say("draw more than ", drawn, " samples")
 
 
 def _bound(problem: Problem, evidence: Evidence) -> list[Check]:

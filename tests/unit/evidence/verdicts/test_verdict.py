@@ -301,6 +301,23 @@ BARS: dict[str, tuple[CheckCode, dict[str, Any], list[Fact], str]] = {
         CheckCode.PROBABILITY, {"certificate": certificate(76, 100)}, [0.829, 0.05, 76, 100],
         "the bound of 82.9 % on P(violation) is above the required 5 %; 76 of its 100 samples violate the criterion",
     ),
+    "so much beyond the bounds that no sample is large enough": (
+        CheckCode.PROBABILITY, {"certificate": certificate(0, 1000, outside=0.123, upper_bound=0.126)},
+        [0.126, 0.05, 0.123],
+        "the bound of 12.6 % on P(violation) is above the required 5 %; at most 12.3 % of the draws lie outside the "
+        "bounds, which the bound counts whatever the sample; widen the bounds",
+    ),
+    "so much beyond the bounds that with these violations no sample is large enough": (
+        CheckCode.PROBABILITY, {"certificate": certificate(20, 1000, outside=0.031, upper_bound=0.06)},
+        [0.06, 0.05, 0.031],
+        "the bound of 6 % on P(violation) is above the required 5 %; at most 3.1 % of the draws lie outside the "
+        "bounds, which the bound counts whatever the sample; widen the bounds",
+    ),
+    "so much beyond the bounds that a larger sample helps": (
+        CheckCode.PROBABILITY, {"certificate": certificate(1, 60, outside=0.03, upper_bound=0.1067)},
+        [0.107, 0.05, 60],
+        "the bound of 10.7 % on P(violation) is above the required 5 %; draw more than 60 samples",
+    ),
     "a target that seems to permit more": (
         CheckCode.TARGET, {"target": 0.9, "certificate": certificate(2, 100)}, [0.0617, 0.05, 0.9],
         "the bound of 6.17 % does not meet the target of 5 %; the target of the campaign, 90 %, is "
@@ -328,6 +345,13 @@ BARS: dict[str, tuple[CheckCode, dict[str, Any], list[Fact], str]] = {
     ),
 }  # fmt: skip
 """What bars cleared: the check, the evidence, the numbers and methods of the sentence, and its words."""
+
+
+def test_a_sample_of_which_every_draw_was_excluded_is_not_advised_to_be_larger() -> None:
+    checks = {c.code: c for c in concluded(certificate=certificate(0, 0, upper_bound=1.0)).checks}
+    assert checks[CheckCode.PROBABILITY].text == (
+        "the bound of 100 % on P(violation) is above the required 5 %; all of its draws were excluded"
+    )
 
 
 @pytest.mark.parametrize("name", BARS)

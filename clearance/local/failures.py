@@ -41,10 +41,15 @@ def failures(store: MemoryStore) -> list[Failure]:
     return sorted(found.values(), key=lambda one: -one.evaluations)
 
 
+def not_stored(store: MemoryStore) -> int:
+    """How many failed evaluations are counted and not stored, so that their reasons are not known."""
+    return sum(stage.result.beside.failed for stage in store.stages if stage.result is not None)
+
+
 def lines(store: MemoryStore) -> list[str]:
     """The reasons for the terminal; empty if nothing failed."""
-    found = failures(store)
-    if not found:
+    found, more = failures(store), not_stored(store)
+    if not found and not more:
         return []
     text = ["Failed evaluations by reason, with the stage and index of the first:"]
     for one in found[:MOST]:
@@ -52,4 +57,6 @@ def lines(store: MemoryStore) -> list[str]:
         text.append(f"  {one.evaluations:,} {one.status} ({one.stage}:{one.index}): {one.reason}{output}")
     if len(found) > MOST:
         text.append(f"  and {len(found) - MOST:,} further reasons, in evaluations.csv and result.json of --out")
+    if more:
+        text.append(f"  {more:,} more of the sample, which are counted and not stored")
     return text

@@ -9,7 +9,7 @@ from campaigns.identity.identity import identity_of, simulator_of
 from campaigns.results import Finding, SearchResult, ValidateResult, Verdict, verdicts
 from campaigns.results.base import EXCLUDED, FAILED, OK, TIMEOUT
 from campaigns.results.sample import Beside
-from clearance.local.failures import failures
+from clearance.local.failures import failures, not_stored
 from clearance.local.likelihood import Likelihoods, likelihoods
 from worker.running.runs.store import MemoryStore
 
@@ -40,6 +40,7 @@ def summary(
         "findings": [_finding(likely.stated(finding), campaign.criterion.threshold) for finding in store.findings],
         **({} if likely.violation is None else {"most_likely_violation": likely.violation.model_dump()}),
         **({"failures": [vars(one) for one in lost[:MOST_FAILURES]]} if (lost := failures(store)) else {}),
+        **({"failures_not_stored": more} if (more := not_stored(store)) else {}),
         "digest": campaign.digest,
         "seed": campaign.seed,
         "identity": identity_of(verdict.provenance, simulator_of(campaign)).model_dump(mode="json"),

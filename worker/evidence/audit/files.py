@@ -17,7 +17,7 @@ from campaigns.checked.check import parameters
 from campaigns.identity.identity import identity_of, simulator_of
 from campaigns.results.base import EXCLUDED, FLAKY, OK, STATUS
 from campaigns.versions import Versions
-from worker.evidence.audit.limits import BASELINES
+from worker.evidence.audit.limits import BASELINES, VIOLATING
 
 TABLE = "evaluations.csv"
 LISTED = 200
@@ -29,7 +29,7 @@ PARTS = EVIDENCE | {
     "verdict", "reason", "sentence", "scope", "statement", "holds_for", "values", "nominal", "worst", "stages",
     "comparison", "evaluations", "checks", "statistics", "regression", "sureness", "findings", "failures", "digest",
     "seed", "identity", "versions", "continues", "command_given", "labels", "baseline",
-    "most_likely_violation",
+    "most_likely_violation", "failures_not_stored",
 }  # fmt: skip
 """Of result.json and evidence.json; what has another name is no part of a record, and nothing compares it."""
 
@@ -60,6 +60,7 @@ def compared(
         found["files.rows"] = (len(stage), _rows(folder / TABLE, campaign, evidence, arrays, stage, reasons))
     if (Versions.of(evidence["versions"]).wording or 0) >= BASELINES:
         found["files.failures"] = (evidence.get("failures", []), _failures(arrays[2], stage, reasons))
+        found["files.failures_not_stored"] = _not_stored(evidence, arrays[2], stage)
     if note := evidence.get("baseline"):
         named = "No baseline: " if campaign.baseline is None else campaign.baseline.run
         found["files.baseline"] = (note, note if named in note else f"one that states {named}")
@@ -79,6 +80,16 @@ def _failures(status: Any, stage: Any, reasons: Mapping[int, Mapping[str, str]])
             many[key] += 1
             found.setdefault(key, {"status": key[0], "reason": why, "stage": k, "index": index, "output": output})
     return [{**found[key], "evaluations": times} for key, times in many.most_common(LISTED)]
+
+
+def _not_stored(evidence: Mapping[str, Any], status: Any, stage: Any) -> tuple[Any, Any]:
+    """How many failed evaluations are only counted, as stated and as it follows; earlier versions did not state it."""
+    failed, follows = (status != OK) & (status != EXCLUDED), 0
+    for k, result in enumerate(evidence.get("results") or ()):
+        if blocks := (result or {}).get("blocks"):
+            follows += sum(blocks["failed"]) - int(np.count_nonzero(failed & (stage == k)))
+    states = (Versions.of(evidence["versions"]).wording or 0) >= VIOLATING
+    return evidence.get("failures_not_stored", 0 if states else follows), follows
 
 
 def _identity(evidence: Mapping[str, Any], campaign: Campaign) -> dict[str, tuple[Any, Any]]:

@@ -2,11 +2,22 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 
+from campaigns.asked.load import load_document
+from campaigns.claims.wording import WORDING
 from campaigns.results.base import EXCLUDED, FAILED, OK, TIMEOUT
 from campaigns.stored.records import Columns, StagePlan, StageRecord
-from clearance.local.failures import MOST, OUTPUT, UNKNOWN, failures, lines
+from clearance.local.failures import MOST, OUTPUT, UNKNOWN, failures, lines, not_stored
+from tests.audited import audited
+from tests.given.corrupted_records import Folder, copied, made
+from tests.given.sampled_stages import DRAWN
+from tests.simulators import noisy
+from tests.simulators.adversaries import adversary
+from worker.evidence.audit.judge import closing
+from worker.running.runs.runner import execute
 from worker.running.runs.store import MemoryStore
 
 
@@ -33,6 +44,34 @@ def test_what_failed_is_counted_by_reason_and_status() -> None:
         (1, "failed", 1, 2, UNKNOWN),
     ]
     assert found[0].output == "working on 3"
+
+
+def test_what_failed_and_is_only_counted_is_in_the_list_as_well(tmp_path: Path) -> None:
+    """The list and that number are all failures of the verdict, in the terminal, in the files and for the audit."""
+    document = noisy.campaign().document()
+    document["stages"]["certify"] = {"samples": 4000, "keep": "lowest"}
+    with adversary(lost=lambda call: FAILED if call.b > 0.5 else OK):
+        campaign = load_document(document)
+        ran = MemoryStore(sample_seed=DRAWN)
+        verdict = execute(campaign, ran, threads=1)
+        assert verdict.evaluations is not None
+        more = not_stored(ran)
+        assert more > 0
+        assert more + sum(one.evaluations for one in failures(ran)) == verdict.evaluations.failed
+        assert lines(ran)[-1] == f"  {more:,} more of the sample, which are counted and not stored"
+        folder = Folder(copied(made(campaign, ran), tmp_path))
+        assert folder.result["failures_not_stored"] == more
+        audited(folder.path)
+        for wrong in ({"failures_not_stored": more - 1}, {}):
+            del folder.result["failures_not_stored"]
+            folder.result |= wrong
+            folder.reseal()
+            assert [item.name for item in folder.items() if item.agrees is False] == ["files.failures_not_stored"]
+            folder.result["failures_not_stored"] = more
+        del folder.result["failures_not_stored"]
+        folder.result["versions"]["wording"] = WORDING - 1
+        folder.reseal()
+        assert closing(folder.items())[0]  # earlier versions did not state it
 
 
 def test_lines_for_the_terminal() -> None:

@@ -87,6 +87,7 @@ def test_the_audit_has_the_same_limits() -> None:
         "CALLED",
         "AFTER",
         "VIOLATING",
+        "WHOLE",
         "BASINS",
         "RULES",
         "SMALLEST",

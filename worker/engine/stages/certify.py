@@ -88,7 +88,9 @@ def _counted(context: Context, position: int, request: Certify) -> Outcome[Certi
     columns, flights = kept(found), found.kept.indices
     context.store.keep(position, columns)
     context.columns[position] = columns
-    own, early = problem.realisations.random, allowed is not None and found.violations > allowed
+    own, more = problem.realisations.random, allowed is not None and found.violations > allowed
+    # With its last block it is whole, whatever that has: its bound is that of a sample of this size.
+    early = more and found.evaluated < request.samples and found.draws < DRAWS * request.samples
     stated, statement = _early(sample, found, context, request) if early else _whole(sample, context, request)
     result = CertifyResult(
         sample=stated,

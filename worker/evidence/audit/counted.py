@@ -60,9 +60,11 @@ def block(requested: int) -> int:
     return size
 
 
-def early(blocks: Blocks, requested: int, most: float, confidence: float) -> tuple[int, int | None]:
+def early(
+    blocks: Blocks, requested: int, most: float, confidence: float, by_size: bool = True
+) -> tuple[int, int | None]:
     """How many of the requested samples may violate for a bound of at most `most`, -1 if none; and of a sample that
-    ended because more do, the samples before its last block."""
+    ended because more do, the samples before its last block; by_size: not of one that is whole with that block."""
     near, about = requested * most, 10.0 * (1.0 + math.sqrt(max(requested * most, 0.0)))
     allowed, beyond = max(-1, math.floor(near - about)), min(requested, math.ceil(near + about))
     if allowed >= 0 and upper_bound(allowed, requested, confidence) > most:
@@ -72,7 +74,9 @@ def early(blocks: Blocks, requested: int, most: float, confidence: float) -> tup
         fits = upper_bound(middle, requested, confidence) <= most
         allowed, beyond = (middle, beyond) if fits else (allowed, middle)
     violations, total = blocks.violations, ended(blocks)
-    if allowed < 0 or not sum(violations[:-1]) <= allowed < sum(violations):
+    drawn = total.evaluations
+    whole = drawn - total.excluded >= requested or drawn >= limits.draws(requested, drawn)
+    if allowed < 0 or (whole and by_size) or not sum(violations[:-1]) <= allowed < sum(violations):
         return allowed, None
     return allowed, total.evaluations - total.excluded - (blocks.draws[-1] - blocks.excluded[-1])
 

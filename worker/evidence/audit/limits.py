@@ -28,7 +28,7 @@ DRAWS = 2
 OF_VIOLATIONS = ("nominal", "no violation", "noise of calls", "probability", "target")
 """Checks that violations alone can make fail."""
 BASINS, BASELINES, BESIDE, ROUNDED, TAILS, LOWEST, SHARED, CALLED, AFTER = 2, 5, 6, 7, 8, 9, 10, 13, 14
-VIOLATING = 14
+VIOLATING, WHOLE = 14, 14
 """The version of the sentences since which records have what is known of the basins of a baseline; since which they
 state all that a comparison with a baseline rests on, judged by the thresholds of both runs, and how many evaluations
 failed for each reason; since which a policy accepts known violations only where nothing beside them is wrong; since
@@ -38,8 +38,8 @@ evaluation of its search, and a search that started at a worst case does not con
 method that share what they know are one in all its searches; since which the worst value of a violation that only
 independent calls show is that of a call; since which flights that fail after the horizon are counted, with what they
 meet before, and a nominal case that fails has no closest approach; since which failed evaluations alone are no
-violations to estimate from."""
-RULES = max(BASINS, BASELINES, BESIDE, ROUNDED, TAILS, LOWEST, SHARED, CALLED, AFTER, VIOLATING)
+violations to estimate from; since which a sample of which all were drawn did not end early."""
+RULES = max(BASINS, BASELINES, BESIDE, ROUNDED, TAILS, LOWEST, SHARED, CALLED, AFTER, VIOLATING, WHOLE)
 """The version since which the rules are those of today."""
 POINTS, TIMES = 5, 3
 """Of a simulator: how many points are evaluated to measure whether it repeats, and how often each."""

@@ -340,7 +340,10 @@ class Run:
             return -1, None
         if k not in self._early:
             most = target - self.outside()
-            self._early[k] = counted.early(self.counted[k], certify.samples, most, self.campaign.confidence)
+            # Earlier versions counted a sample that was whole with its last block as one that ended early.
+            by_size = self.wording >= limits.WHOLE or self.claims["results"][k]["sample"].get("bound_samples") is None
+            numbers = certify.samples, most, self.campaign.confidence, by_size
+            self._early[k] = counted.early(self.counted[k], *numbers)
         return self._early[k]
 
     def outside(self) -> float:

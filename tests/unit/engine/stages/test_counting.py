@@ -191,6 +191,26 @@ def test_a_sample_that_meets_its_target_is_whole() -> None:
     assert found.sample.quantile is not None
 
 
+def test_a_sample_with_too_many_violations_only_with_its_last_block_is_whole() -> None:
+    """All of it was drawn, so that its bound counts all; where draws were left, it ended early."""
+    samples, allowed = 30_000, claims.allowed(30_000, 0.001, 0.95)
+    drawn = uniform(1, STREAM, 0, samples, 2)[:, 0]
+    for last, whole in ((samples - 1, True), (samples - 1000, False)):
+        violating = drawn[[*range(allowed), last]]
+
+        def flown(points: Floats, violating: Floats = violating) -> tuple[Batch, dict[int, str]]:
+            low = np.isin(points[:, :1], violating)
+            return Batch(np.where(low, THRESHOLD - 0.1, THRESHOLD + 1.0), np.zeros(len(points), dtype=np.uint8)), {}
+
+        requested = {"samples": samples, "keep": "lowest", "until": "target"}
+        found = certify.run(context(asked({"certify": requested}, target_probability=0.001), flown, seed=1), 0).result
+        assert found.sample.violations == allowed + 1
+        assert (found.sample.bound_samples is None, found.evaluations == samples) == (whole, whole)
+        assert ("ended early" in found.text, found.sample.quantile is None) == (not whole, not whole)
+        if whole:
+            assert found.sample.upper_bound == claims.bound(allowed + 1, samples, 0.95) > 0.001
+
+
 @pytest.mark.parametrize(
     ("chance", "allowed"),
     rows_nightly_but([(0.002, 0), (0.004, 3), (0.02, 20)], [(0.002, 0), (0.004, 0), (0.004, 3), (0.02, 20), (0.1, 20)]),
@@ -202,7 +222,7 @@ def test_a_bound_holds_where_a_sample_ends_early(chance: float, allowed: int) ->
         violations = np.cumsum(random.binomial(each, chance, samples // each))
         beyond = np.flatnonzero(violations > allowed)
         last = int(beyond[0]) if len(beyond) else len(violations) - 1
-        bounding = last * each if len(beyond) else samples
+        bounding = last * each if last < len(violations) - 1 else samples
         missed += claims.bound(int(violations[last]), bounding, 0.95) < chance
     assert missed / 4000 < 0.05 + 3 * math.sqrt(0.05 * 0.95 / 4000)
 

@@ -3,6 +3,7 @@ stored flights contradict. What they do not contradict is found by flying blocks
 
 from __future__ import annotations
 
+import itertools
 import json
 from collections.abc import Callable
 from dataclasses import replace
@@ -12,8 +13,10 @@ from typing import Any
 import numpy as np
 import pytest
 
+from campaigns.asked.load import load_document
 from campaigns.claims.stages import sample as sentences
 from campaigns.results.base import FAILED, OK
+from campaigns.results.draws import uniform
 from campaigns.results.sample import FIRST
 from campaigns.sample_seed import SampleSeed
 from campaigns.stored import blocks as stored
@@ -21,7 +24,10 @@ from campaigns.stored.blocks import Block, Counted, Kept, Scale, size
 from tests.audited import audited
 from tests.given.at_night import nightly_but
 from tests.given.corrupted_records import RUNS, Folder, copied, counting, made, ran
+from tests.simulators import noisy
+from tests.simulators.adversaries import adversary
 from worker.engine.stages import certify
+from worker.engine.stages.parts import claims
 from worker.engine.stages.parts import counting as engine
 from worker.evidence.audit import counted
 from worker.evidence.audit.binomial import upper_bound
@@ -123,3 +129,23 @@ def test_a_bound_names_whose_seed_its_sample_has_and_follows() -> None:
         assert of.verdict is not None
         assert of.verdict.statistics is not None
         assert seed in of.verdict.statistics.text
+
+
+def test_a_sample_that_has_too_many_violations_only_with_its_last_draw_follows() -> None:
+    """It is whole, as are all whose draws are all made."""
+    document, samples = noisy.campaign(7.6).document(), 100
+    document["stages"]["certify"] = {"samples": samples, "keep": "lowest", "until": "target"}
+    document["target_probability"] = 0.25
+    allowed = claims.allowed(samples, 0.25, 0.95)
+    for seed in itertools.count():
+        a, b = uniform(seed, engine.STREAM, 0, samples, 2).T
+        below = np.cumsum(10 - 3 * a - (b - 0.5) ** 2 <= 7.6)
+        if below[-2] == allowed < below[-1]:
+            break
+    with adversary():
+        campaign, store = load_document(document), MemoryStore(sample_seed=SampleSeed(seed, stated=False))
+        verdict = execute(campaign, store, threads=1)
+        assert verdict.statistics is not None
+        assert verdict.statistics.bound_samples is None
+        assert verdict.statistics.upper_bound == claims.bound(allowed + 1, samples, 0.95)
+        audited(store, campaign)

@@ -18,6 +18,7 @@ from campaigns.results.verdict import VerdictWord
 from campaigns.results.verdicts import DescribedCheck
 from campaigns.runs import RunState, StageState
 from campaigns.stages.found import AnyResult, StageKind, declared
+from campaigns.stages.plan import left
 from campaigns.versions import Versions
 
 
@@ -94,6 +95,13 @@ class StageProgress(Schema):
         """The title of its kind; also for a kind of another version that this installation lacks."""
         stage = declared().get(self.kind)
         return self.kind.capitalize() if stage is None else stage.title
+
+    @computed_field  # type: ignore[prop-decorator]
+    @property
+    def left(self) -> int:
+        """The evaluations that it has left if it uses its whole budget, about: excluded samples are drawn again."""
+        done = self.state == StageState.DONE
+        return 0 if done else left(self.kind, self.planned, self.evaluations, self.excluded)
 
     @computed_field  # type: ignore[prop-decorator]
     @property

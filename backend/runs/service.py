@@ -226,7 +226,7 @@ def _pace(stages: Sequence[StageProgress], computing: Sequence[str]) -> _Pace:
     speed = _speed([running]) or _speed([s for s in stages if s.position and s.kind not in computing])
     if speed is None:
         return _Pace(None, None, untimed)
-    seconds = sum(max(0, s.planned - s.evaluations) for s in left) / speed
+    seconds = sum(s.left for s in left) / speed
     return _Pace(None if running.kind in computing else speed, seconds, untimed)
 
 
@@ -241,7 +241,7 @@ def _so_far(reader: sa.Connection, run_id: int) -> dict[int, SoFar]:
     By the position of the stage; none for a run without such a sample, once it is whole, or if its campaign or
     descriptions were stored by another version."""
     drawing = (Stage.run_id == run_id, Stage.counted > 0, Stage.state == StageState.RUNNING)
-    columns = (Stage.position, Stage.planned, Stage.counted, Stage.excluded, Stage.violations)
+    columns = (Stage.position, Stage.planned, Stage.counted, Stage.excluded, Stage.violations, Stage.failed)
     rows = reader.execute(sa.select(*columns).where(*drawing)).all()
     if not rows:
         return {}
@@ -267,10 +267,11 @@ def _shown(row: Any, confidence: float, outside: float | None, seed: str) -> SoF
     drawn_at_most = DRAWS * row.planned * samples // row.counted  # if as many of the others are excluded
     whole, beyond = max(min(row.planned, drawn_at_most), samples), outside or 0.0
     now, end = (min(1.0, bound(row.violations, size, confidence) + beyond) for size in (samples, whole))
-    drawn = Drawn(row.violations, samples, confidence, outside, row.excluded, seed)
+    drawn = Drawn(row.violations, samples, confidence, outside, row.excluded, seed, row.failed)
     return SoFar(
         samples=samples,
         violations=row.violations,
+        failed=row.failed,
         upper_bound=now,
         at_end=end,
         within_bounds=outside is None,

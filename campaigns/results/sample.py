@@ -134,6 +134,8 @@ class SoFar(Described):
     """On P(violation), if it ended now."""
     at_end: float
     """If none of the others violates."""
+    failed: Count = 0
+    """Of the violations, those that failed."""
     within_bounds: bool
     """Whether both hold only for draws within the bounds: what is beyond them is not known here."""
 

@@ -104,5 +104,6 @@ stage = Declared(
     draws=_drawn,
     partly=lambda campaign: campaign.stages.certify is not None and campaign.stages.certify.keep == "lowest",
     independent=True,
+    redraws=True,
     against=True,
 )

@@ -33,6 +33,8 @@ class Declared:
     """Whether it stores a part of its evaluations only: a continued run makes them again."""
     independent: bool = False
     """Whether it evaluates an independent sample of the distributions: of a simulator, each by one call."""
+    redraws: bool = False
+    """Whether it draws excluded samples again, so that these are no part of its budget."""
     against: bool = False
     """Whether its lowest evaluation counts against what other runs of the same question claim: it evaluates the
     campaign's own question, which the findings of a baseline need not be of."""

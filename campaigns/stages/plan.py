@@ -9,6 +9,7 @@ from __future__ import annotations
 from typing import NamedTuple
 
 from campaigns.asked.spec import Campaign
+from campaigns.limits import DRAWS
 from campaigns.stages.found import StageKind, declared
 
 
@@ -41,6 +42,16 @@ def plan(campaign: Campaign) -> list[Planned]:
         for stage in declared().values()
         for method, evaluations in stage.planned(campaign)
     ]
+
+
+def left(kind: str, planned: int, evaluations: int, excluded: int) -> int:
+    """How many evaluations a stage has left at this point, if it uses its whole budget; of a sample, whose excluded
+    draws are drawn again, if as large a fraction of the others is excluded."""
+    stage = declared().get(kind)
+    if stage is None or not stage.redraws or not evaluations:
+        return max(0, planned - evaluations)
+    kept, most = evaluations - excluded, max(0, DRAWS * planned - evaluations)
+    return min(most, -(-max(0, planned - kept) * evaluations // kept)) if kept > 0 else most
 
 
 def bound(campaign: Campaign) -> list[Bounded]:

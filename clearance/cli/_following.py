@@ -232,7 +232,10 @@ def _line(found: Run, figures: bool) -> str:
     if not figures:
         return f"{found.id} {name}"
     best = "" if stage.best is None else f", best {read(stage.best, found.threshold)} {found.unit}"
-    of = f" of {stage.planned:,}" if stage.evaluations <= stage.planned else ""  # excluded samples are drawn again
+    # Excluded samples are drawn again; a service of an earlier version does not report what is left.
+    whole = max(stage.planned, stage.evaluations + (stage.left or 0))
+    of = f" of {'about ' if whole > stage.planned else ''}{whole:,}"
+    of = of if stage.left is not None or stage.evaluations <= stage.planned else ""
     return f"{found.id} {name}, {stage.evaluations:,}{of} evaluations{best}"
 
 

@@ -96,6 +96,8 @@ class StageProgress(Answer):
     finished: AwareDatetime | None = None
     title: str | None = None
     """The title of its kind; also for a kind of another version that this installation lacks."""
+    left: int | None = None
+    """The evaluations that it has left if it uses its whole budget, about: excluded samples are drawn again."""
     own: bool | None = None
     """Whether it evaluates the question of the campaign, so that its lowest value counts for the run."""
 

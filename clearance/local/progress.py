@@ -8,7 +8,7 @@ import time
 from collections.abc import Callable
 from contextlib import suppress
 from html import escape
-from typing import Any, Protocol, Self
+from typing import Any, NamedTuple, Protocol, Self
 
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, TextColumn, TimeElapsedColumn
@@ -17,14 +17,31 @@ from rich.progress import Progress as Bars
 from campaigns import Campaign
 from campaigns.claims.numbers import count, number
 from campaigns.stages.found import declared
-from campaigns.stages.plan import plan
+from campaigns.stages.plan import left, plan
 from worker.engine.stages.parts.context import Tally
 from worker.running.catalogue.installed import methods
 
 PAUSE = 0.3
 """Between two updates of a display in a notebook [s]."""
-Names = list[tuple[str, int | None]]
-"""The stages of a run by name, with the evaluations that they are planned to have; None: they depend on findings."""
+
+
+class Named(NamedTuple):
+    """A stage of a run: its kind, its name, and the evaluations that it is planned to have; None: they depend on
+    findings."""
+
+    kind: str
+    name: str
+    planned: int | None
+
+    def whole(self, tally: Tally) -> int | None:
+        """Its evaluations with those that it has left; excluded samples are drawn again."""
+        if self.planned is None:
+            return None
+        return tally.evaluations + left(self.kind, self.planned, tally.evaluations, tally.excluded)
+
+
+Names = list[Named]
+"""The stages of a run."""
 
 
 class Shown(Protocol):
@@ -42,7 +59,10 @@ class Progress:
 
     def __init__(self, campaign: Campaign) -> None:
         kinds = declared()
-        names = [(named(s.kind, s.method), None if kinds[s.kind].of_findings else s.planned) for s in plan(campaign)]
+        names = [
+            Named(s.kind, named(s.kind, s.method), None if kinds[s.kind].of_findings else s.planned)
+            for s in plan(campaign)
+        ]
         console = Console(stderr=True)
         display = None if console.is_terminal else _display()
         self._shown: Shown | None = (
@@ -78,9 +98,10 @@ class _Bars:
     def show(self, position: int, tally: Tally) -> None:
         self._bars.start()  # not before the first evaluation: a campaign may turn out to be unusable
         if position not in self._tasks:
-            name, planned = self._names[position]
-            self._tasks[position] = self._bars.add_task(name, total=planned, best="")
-        self._bars.update(self._tasks[position], completed=tally.evaluations, best=_best(tally))
+            of = self._names[position]
+            self._tasks[position] = self._bars.add_task(of.name, total=of.planned, best="")
+        whole = self._names[position].whole(tally)
+        self._bars.update(self._tasks[position], total=whole, completed=tally.evaluations, best=_best(tally))
 
     def end(self) -> None:
         self._bars.stop()
@@ -102,7 +123,7 @@ class _Lines:
     def end(self) -> None:
         if self._now >= 0:
             parts = [_evaluations(self._tally), _best(self._tally), f"{self._seen - self._began:.1f} s after the start"]
-            print(f"{self._names[self._now][0]}: {', '.join(filter(None, parts))}", file=sys.stderr, flush=True)
+            print(f"{self._names[self._now].name}: {', '.join(filter(None, parts))}", file=sys.stderr, flush=True)
         self._now = -1
 
 
@@ -134,16 +155,17 @@ class _Display:
             self._handle.update(self)
 
     def __repr__(self) -> str:
-        rows = [f"{self._names[at][0]}: {_evaluations(tally)} {_best(tally)}" for at, tally in self._tallies.items()]
+        rows = [f"{self._names[at].name}: {_evaluations(tally)} {_best(tally)}" for at, tally in self._tallies.items()]
         return "\n".join(map(str.rstrip, rows))
 
     def _repr_html_(self) -> str:
         cell = '<td style="text-align:left;padding:2px 10px">'
         rows = []
-        for position, (name, planned) in enumerate(self._names):
+        for position, (_, name, planned) in enumerate(self._names):
             tally = self._tallies.get(position)
             done = position < max(self._tallies) or (self._ended and planned is None)
-            most = max(1, planned or 0, 0 if tally is None else tally.evaluations)
+            whole = 0 if tally is None else self._names[position].whole(tally) or tally.evaluations
+            most = max(1, planned or 0, whole)
             value = most if done else None if planned is None and tally else 0 if tally is None else tally.evaluations
             filled = "" if value is None else f' value="{value}"'
             bar = f'<progress max="{most}"{filled}></progress>'

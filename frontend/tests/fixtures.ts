@@ -28,7 +28,7 @@ export const flight = like<TraceData>({
 
 export const progress = like<StageProgress>({
   position: 0, kind: 'search', own: true, title: 'Search', method: null, state: 'done', planned: 1, evaluations: 1, stored: 1, failed: 0, excluded: 0, best: null,
-  best_index: null, seconds: 1, started: 0, finished: 1, so_far: null,
+  best_index: null, seconds: 1, started: 0, finished: 1, so_far: null, left: 0,
 })
 
 export const stage = (result: StageDetail['result'], more: Partial<StageDetail> = {}): StageDetail => ({

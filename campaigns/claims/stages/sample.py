@@ -128,7 +128,7 @@ def counted(draws: int, blocks: int, stored: int) -> Spans:
 
 class Drawn(NamedTuple):
     """What is known of a sample while it is drawn; outside: the probability beyond the bounds, None if not known;
-    excluded: how many further draws were excluded; seed: as of `Counts`."""
+    excluded: how many further draws were excluded; seed: as of `Counts`; failed: how many violations failed."""
 
     violations: int
     samples: int
@@ -136,6 +136,7 @@ class Drawn(NamedTuple):
     outside: float | None
     excluded: int = 0
     seed: str = ""
+    failed: int = 0
 
 
 def violate(failed: int) -> Spans:
@@ -180,8 +181,8 @@ def so_far(counts: Drawn, upper: float, left: int, at_end: float) -> Spans:
     return say(
         *("so far ", count(counts.violations, "violations"), " of ", count(counts.samples, "samples")),
         *(
-            f" samples{counts.seed} violate the criterion: P(violation){where} is at most ",
-            at_most(upper, name="upper_bound"),
+            *(f" samples{counts.seed}", violate(counts.failed)),
+            *(f": P(violation){where} is at most ", at_most(upper, name="upper_bound")),
         ),
         *(" with ", sure(counts.confidence), " confidence if it ended now, "),
         *(at_most(at_end, name="at_end"), " if none of the other ", count(left, "left"), " does"),

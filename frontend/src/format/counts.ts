@@ -1,6 +1,6 @@
 // Texts on the numbers of evaluations, failures and exclusions of a run; the counts come from the run itself and are
 // therefore the same everywhere.
-import type { Outcome, RunSummary } from '../client'
+import type { Outcome, RunSummary, StageProgress } from '../client'
 import { atMost, count } from './numbers'
 
 export type Counted = Pick<RunSummary, 'evaluations' | 'failed_evaluations' | 'excluded_evaluations'>
@@ -25,6 +25,10 @@ export function unknownOf({ evaluations, failed_evaluations: failed }: Counted):
   if (failed === 0) return ''
   return `${count(failed)} of ${count(evaluations)} evaluations failed and have no margin`
 }
+
+/** The fraction of a stage that is done, by what it has left, since excluded samples are drawn again; one that ended by its own rule is complete. */
+export const shareOf = ({ state, evaluations, left }: Pick<StageProgress, 'state' | 'evaluations' | 'left'>): number =>
+  state === 'done' ? 1 : evaluations / Math.max(1, evaluations + left)
 
 type BoundSource = Outcome['bound_source'] | undefined
 

@@ -4,6 +4,7 @@ import { useNavigate } from '@tanstack/react-router'
 import { memo, type MouseEvent } from 'react'
 import { useStill } from '../api/still'
 import type { RunSummary } from '../client'
+import { shareOf } from '../format/counts'
 import { count, decimalsFor, duration, fixed } from '../format/numbers'
 import { age } from '../format/time'
 import { Progress } from '../ui/Card'
@@ -103,7 +104,7 @@ const cancelledAfter = ({ evaluations }: RunSummary): string =>
 /** Progress of the running stage: later stages seldom use their whole budget, so a fraction of the run would mislead. */
 function Working({ run, now }: { run: RunSummary; now: number }) {
   const { stage } = run
-  const share = stage && stage.planned > 0 ? Math.min(1, stage.evaluations / stage.planned) : 0
+  const share = stage ? shareOf(stage) : 0
   const name = run.doing ? 'Compiling' : stage ? stage.title : 'Starting'
   const best = run.worst_cost
   const since = useStill(run.id)

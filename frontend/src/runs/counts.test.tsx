@@ -7,7 +7,7 @@ import { boundsOf } from '../charts/outcomes'
 import type { Checked, DescribedCheck, Outcome, RunDetail, StageDetail, StageProgress } from '../client'
 import type { Compared } from '../compare/data'
 import { Results } from '../compare/Results'
-import { withoutValue } from '../format/counts'
+import { shareOf, withoutValue } from '../format/counts'
 import { Estimate } from '../launch/Side'
 import { COLUMNS } from '../runs/columns'
 import { FoundBy } from '../run/findings/FindingsCard'
@@ -108,10 +108,25 @@ it.each([[true, false], [false, true]])('names what drew a case that no search f
 })
 
 it('writes within the bounds where what is beyond them is not known', () => {
-  const so_far = { samples: 100, violations: 0, upper_bound: 0.03, at_end: 0.01, within_bounds: true, text: '', statement: [] }
+  const so_far = { samples: 100, violations: 0, failed: 0, upper_bound: 0.03, at_end: 0.01, within_bounds: true, text: '', statement: [] }
   const running = fixtures.progress({ kind: 'certify', evaluations: 100, planned: 300 })
   expect(boundSoFar(running, so_far)).toContain('P within the bounds ≤ 3')
   expect(boundSoFar(running, { ...so_far, within_bounds: false })).not.toContain('within')
+})
+
+it('states of a sample that is drawn what failed, and when its later bound holds', () => {
+  const so_far = { samples: 100, violations: 3, failed: 0, upper_bound: 0.08, at_end: 0.03, within_bounds: false, text: '', statement: [] }
+  const running = fixtures.progress({ kind: 'certify', evaluations: 200, excluded: 100, planned: 300, left: 400, seconds: 10 })
+  expect(boundSoFar(running, so_far)).toMatch(/^3 violations, P ≤ 8\s%, 3\s% in 20\.0\ss if no other violates$/)
+  expect(boundSoFar(running, { ...so_far, failed: 2 })).toMatch(/^3 violate or failed \(2 failed\), P/)
+})
+
+it('counts no excluded sample as done, because it is drawn again', () => {
+  const running = fixtures.progress({ kind: 'certify', title: 'Certify', state: 'running', evaluations: 300, excluded: 150, planned: 300, left: 300 })
+  expect(shareOf(running)).toBe(0.5)
+  expect(shareOf({ ...running, state: 'done', left: 0 })).toBe(1)
+  const live = { ...RUN, state: 'running' as const, verdict: null, stages: [running], plan: [{ kind: 'certify' as const, title: 'Certify', description: '' }] }
+  expect(text(renderToStaticMarkup(<StageStrip run={live} />))).toContain('300 of about 600')
 })
 
 it('marks a check green only where nothing is open', () => {

@@ -27,14 +27,19 @@ UNCERTAIN = {
 TAILS = math.erfc(4.0 / math.sqrt(2.0))
 
 
-def sentence(outside: float | None, whole: int = SAMPLES, excluded: int = 0) -> str:
+def sentence(outside: float | None, whole: int = SAMPLES, excluded: int = 0, failed: int = 0) -> str:
     now, end = (bound(VIOLATIONS, size, 0.95) + (outside or 0.0) for size in (DRAWN, whole))
-    drawn = claims.Drawn(VIOLATIONS, DRAWN, 0.95, outside, excluded)
+    drawn = claims.Drawn(VIOLATIONS, DRAWN, 0.95, outside, excluded, failed=failed)
     return words(claims.so_far(drawn, now, whole - DRAWN, end))
 
 
-def drawing(service: Service, client: httpx.Client, excluded: int = 0, **campaign: Any) -> Any:
+def drawing(service: Service, client: httpx.Client, excluded: int = 0, failed: int = 0, **campaign: Any) -> Any:
     """What a run shows of a sample that is being drawn."""
+    return running(service, client, excluded, failed, **campaign)["stages"][-1]["so_far"]
+
+
+def running(service: Service, client: httpx.Client, excluded: int = 0, failed: int = 0, **campaign: Any) -> Any:
+    """A run that draws its sample."""
     stages = {
         "sensitivity": None,
         "search": [{"method": "direct", "evaluations": 100}],
@@ -42,11 +47,13 @@ def drawing(service: Service, client: httpx.Client, excluded: int = 0, **campaig
     }
     run = submit(client, stages=stages, **campaign)
     Work(service, [*PLAN, StagePlan("certify", None, SAMPLES)]).store.begin(len(PLAN))
-    values = {"state": StageState.RUNNING, "counted": DRAWN + excluded, "violations": VIOLATIONS, "excluded": excluded}
+    values = {"state": StageState.RUNNING, "counted": DRAWN + excluded, "violations": VIOLATIONS}
+    values |= {"excluded": excluded, "failed": failed}
     with service.engine.begin() as connection:
         connection.execute(sa.update(Stage).where(Stage.kind == "certify").values(values))
-    (shown,) = (stage for stage in client.get(f"/api/v1/runs/{run}").json()["stages"] if stage["kind"] == "certify")
-    return shown["so_far"]
+    shown = client.get(f"/api/v1/runs/{run}").json()
+    shown["stages"].sort(key=lambda stage: stage["kind"] == "certify")
+    return shown
 
 
 def test_the_bound_counts_what_is_beyond_the_bounds(service: Service, client: httpx.Client) -> None:
@@ -95,3 +102,20 @@ def test_a_seed_that_somebody_stated_is_named(service: Service, client: httpx.Cl
         connection.execute(sa.update(Run).values(seed))
     (stage,) = (s for s in client.get("/api/v1/runs/R-0001").json()["stages"] if s["kind"] == "certify")
     assert claims.STATED_SEED in stage["so_far"]["text"]
+
+
+def test_what_failed_is_no_violation_of_the_criterion(service: Service, client: httpx.Client) -> None:
+    found = drawing(service, client, failed=1)
+    assert (found["violations"], found["failed"]) == (VIOLATIONS, 1)
+    assert found["text"] == sentence(0.0, failed=1)
+    assert "violate the criterion or failed (1 failed)" in found["text"]
+
+
+@pytest.mark.parametrize("excluded", [0, DRAWN, 2 * DRAWN])
+def test_the_time_left_counts_the_draws_in_place_of_excluded_ones(
+    service: Service, client: httpx.Client, excluded: int
+) -> None:
+    """Of as many excluded ones among the others as so far, but no more draws than a sample makes."""
+    run = running(service, client, excluded)
+    (stage,) = (stage for stage in run["stages"] if stage["kind"] == "certify")
+    assert stage["left"] == {0: 150_000, DRAWN: 300_000, 2 * DRAWN: 2 * SAMPLES - 3 * DRAWN}[excluded]

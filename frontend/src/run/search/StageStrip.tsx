@@ -3,7 +3,7 @@ import { IconAlertTriangle, IconBan, IconCircleCheck, IconCircleDashed, IconLoad
 import { clsx } from 'clsx'
 import { isLive } from '../../api/queries'
 import type { RunDetail, SoFar, StageProgress, StageSummary } from '../../client'
-import { lossesOf } from '../../format/counts'
+import { lossesOf, shareOf } from '../../format/counts'
 import { atMost, count, decimalsFor, duration, exact, fixed } from '../../format/numbers'
 import { Progress } from '../../ui/Card'
 import { methodLook } from '../../ui/methods'
@@ -91,6 +91,7 @@ function stepsOf(run: RunDetail): Step[] {
 function step(run: RunDetail, kind: StageSummary, stages: StageProgress[]): Step {
   const flown = stages.reduce((sum, stage) => sum + stage.evaluations, 0)
   const planned = stages.reduce((sum, stage) => sum + stage.planned, 0)
+  const whole = stages.reduce((sum, stage) => sum + Math.max(stage.planned, stage.evaluations + stage.left), 0)
   const ended = stages.length > 0 && stages.every((stage) => stage.state === 'done')
   const begun = stages.some((stage) => stage.state !== 'waiting')
   const state: State = ended ? 'done' : begun ? (isLive(run) ? 'act' : 'fail') : 'todo'
@@ -101,7 +102,7 @@ function step(run: RunDetail, kind: StageSummary, stages: StageProgress[]): Step
     figures: ended
       ? `${count(flown)} done`
       : begun
-        ? ofPlanned(flown, planned)
+        ? `${count(flown)} of ${whole > planned ? 'about ' : ''}${count(whole)}`
         : isLive(run)
           ? 'waiting'
           : 'not started',
@@ -111,15 +112,6 @@ function step(run: RunDetail, kind: StageSummary, stages: StageProgress[]): Step
     share,
   }
 }
-
-/** Excluded samples are drawn again, so that there may be more than planned. */
-function ofPlanned(flown: number, planned: number): string {
-  return flown > planned ? `${count(flown)} done` : `${count(flown)} of ${count(planned)}`
-}
-
-/** A stage that ended by its own rule is complete, even with budget left. */
-const shareOf = (stage: StageProgress): number =>
-  stage.state === 'done' ? 1 : Math.min(1, stage.evaluations / Math.max(1, stage.planned))
 
 function textOf(run: RunDetail, kind: StageSummary, stages: StageProgress[]): string {
   const running = stages.find((stage) => stage.state === 'running')
@@ -135,10 +127,11 @@ function textOf(run: RunDetail, kind: StageSummary, stages: StageProgress[]): st
 }
 
 /** The bound of a sample as it falls, and where it will be when the sample is drawn. */
-export function boundSoFar({ evaluations, planned, seconds }: StageProgress, { violations, upper_bound, at_end, within_bounds }: SoFar): string {
-  const seen = violations > 0 ? `${count(violations)} ${violations === 1 ? 'violation' : 'violations'}, ` : ''
-  const left = (Math.max(0, planned - evaluations) * seconds) / Math.max(1, evaluations)
-  return `${seen}P${within_bounds ? ' within the bounds' : ''} ≤ ${atMost(upper_bound, 2)}, ${atMost(at_end, 2)} in ${duration(left)}`
+export function boundSoFar({ evaluations, left, seconds }: StageProgress, { violations, failed, upper_bound, at_end, within_bounds }: SoFar): string {
+  const what = failed > 0 ? `violate or failed (${count(failed)} failed)` : violations === 1 ? 'violation' : 'violations'
+  const seen = violations > 0 ? `${count(violations)} ${what}, ` : ''
+  const time = duration((left * seconds) / Math.max(1, evaluations))
+  return `${seen}P${within_bounds ? ' within the bounds' : ''} ≤ ${atMost(upper_bound, 2)}, ${atMost(at_end, 2)} in ${time} if no other violates`
 }
 
 function costText({ threshold, unit }: RunDetail, cost: number): string {

@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+import io
 import sys
 from types import ModuleType, SimpleNamespace
 from typing import Any
 
 import pytest
+from rich.console import Console
 
 from campaigns.asked.load import library, load_file
 from campaigns.claims.numbers import count
+from campaigns.stages.plan import plan
 from clearance.local import progress
 from clearance.local.progress import Progress
 from worker.engine.stages.parts.context import Tally
@@ -35,6 +38,22 @@ def test_nothing_is_shown_of_a_run_that_has_no_evaluation(capsys: pytest.Capture
     with Progress(CAMPAIGN):
         pass
     assert capsys.readouterr() == ("", "")
+
+
+def test_a_bar_is_not_full_while_excluded_samples_are_drawn_again(monkeypatch: pytest.MonkeyPatch) -> None:
+    """In a terminal and in a notebook."""
+    position, planned = next((k, s.planned) for k, s in enumerate(plan(CAMPAIGN)) if s.kind == "certify")
+    tally = Tally(evaluations=planned, excluded=planned // 2)
+    terminal = Console(force_terminal=True, file=io.StringIO())
+    monkeypatch.setattr(progress, "Console", lambda stderr: terminal)
+    shown: Any = Progress(CAMPAIGN)._shown
+    shown.show(position, tally)
+    (task,) = shown._bars.tasks
+    assert (task.completed, task.total) == (planned, 2 * planned)
+    shown.end()
+    in_notebook = progress._Display(shown._names, lambda *_, **__: SimpleNamespace(update=lambda _: None))
+    in_notebook.show(position, tally)
+    assert f'<progress max="{2 * planned}" value="{planned}">' in in_notebook._repr_html_()
 
 
 class Kernel(ModuleType):

@@ -116,9 +116,7 @@ class Record:
 
     def symbol(self, path: str) -> str:
         """The name of a parameter: its symbol, with its part if others in the campaign have the same one."""
-        return labels(
-            [*self.campaign.uncertain, path], {p: entry.symbol for p, (entry, _) in self.known.items()}
-        )[path]
+        return labels([*self.campaign.uncertain, path], {p: entry.symbol for p, (entry, _) in self.known.items()})[path]
 
     def symbol_html(self, path: str) -> Markup:
         return symbol_html(self.symbol(path), path)

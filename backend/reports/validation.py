@@ -146,13 +146,19 @@ def _closest(name: str, approach: ClosestApproach) -> str:
 def _beyond(record: Record, beyond: Beyond) -> str:
     """What flights that are simulated on meet after the horizon."""
     many = f"{numbers.count(beyond.closer)} of {numbers.count(beyond.flights)} flights come closer"
-    shown = [many] if beyond.lowest or beyond.unknown else [many, "no obstacle is approaching"]
-    fail = "fails" if beyond.cut_short == 1 else "fail"
-    failed = f"{numbers.count(beyond.cut_short or 0)} {fail} after the horizon, extrapolated from there"
-    shown += [failed] if beyond.cut_short else []
+    measured = _measured(record)
+    far = measured and not beyond.lowest and not beyond.unknown
+    shown = [many, "no obstacle is approaching"] if far else [many]
+    fail, on = "fails" if beyond.cut_short == 1 else "fail", ", extrapolated from there" if measured else ""
+    shown += [f"{numbers.count(beyond.cut_short)} {fail} after the horizon{on}"] if beyond.cut_short else []
     shown += [f"lowest: {_later(record, beyond.lowest)}"] if beyond.lowest else []
     shown += [f"not known how it moves on: {_later(record, beyond.unknown)}"] if beyond.unknown else []
     return "; ".join(shown)
+
+
+def _measured(record: Record) -> bool:
+    """Whether the criterion measures distances to obstacles: of others nothing is extrapolated."""
+    return any(criterion.measured_to for criterion in record.run.criteria[:1])
 
 
 def _later(record: Record, later: Later) -> str:

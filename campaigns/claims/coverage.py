@@ -16,14 +16,17 @@ NO_SLOPE = say("No two evaluations with a value are far enough apart for a slope
 def used(chosen: int, total: int) -> Spans:
     """How many of the evaluations the figures are computed from."""
     if chosen == total:
-        return say("All ", count(total), " stored evaluations are used.")
+        return say("All stored evaluations are used: ", count(total), ".")
     of = say(count(chosen), " of ", count(total), " stored evaluations are used, evenly spaced in their order.")
     return say(of, " With all of them, empty balls are no larger and no fewer bins are touched.")
 
 
 def without_value(lost: int) -> Spans:
     """What evaluations without a value count for."""
-    return say(count(lost), " without a value (failed or excluded) count for balls and bins, and rule out no volume.")
+    counts, rule = ("counts", "rules") if lost == 1 else ("count", "rule")
+    return say(
+        count(lost), f" without a value (failed or excluded) {counts} for balls and bins, and {rule} out no volume."
+    )
 
 
 def ball(radius: float, diagonal: float) -> Spans:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
-from campaigns.claims.say import count, finding, listed, number, percent, probability, say, signed, symbol
+from campaigns.claims.say import amount, count, finding, listed, number, percent, probability, say, signed, symbol
 from campaigns.claims.spans import Spans
 
 UNIFORM = say("all points of the box are equally likely")
@@ -33,7 +33,7 @@ def likelihood(density: float, distance: float, tail: float, parameters: int, of
 def most_likely(violations: int, name: str, margin: float, unit: str, of: Spans) -> Spans:
     """The most likely violation, and of what it is the most likely one."""
     return say(
-        *("the most likely of the ", count(violations, "violations"), " stored violations, not of all: "),
+        *("the most likely of the ", amount(violations, "stored violation", "violations"), ", not of all: "),
         *(f"evaluation {name}, margin ", signed(margin, unit, "margin"), ", not validated; ", of),
     )
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import NamedTuple
 
-from campaigns.claims.say import at_least, at_most, count, listed, lowest, percent, say, sure, symbol
+from campaigns.claims.say import amount, at_least, at_most, count, listed, lowest, percent, say, sure, symbol
 from campaigns.claims.say import probability as share
 from campaigns.claims.spans import Spans
 
@@ -42,7 +42,10 @@ def estimate(probability: float, ends: tuple[float, float], confidence: float, o
 
 
 def _failed(of: Draws) -> Spans:
-    return say(", ", count(of.failed, "failed"), " of which failed and count as violations,") if of.failed else ()
+    counts = (
+        " of which failed and counts as a violation," if of.failed == 1 else " of which failed and count as violations,"
+    )
+    return say(", ", count(of.failed, "failed"), counts) if of.failed else ()
 
 
 def _width(of: Draws) -> Spans:
@@ -57,7 +60,11 @@ def _width(of: Draws) -> Spans:
 def too_few(effective: float, samples: int, needed: int) -> Spans:
     """Too few of the stored draws are likely under the moved distributions."""
     return say(
-        *("no estimate: the ", count(samples, "samples"), " stored draws are worth only "),
+        *(
+            "no estimate: the ",
+            amount(samples, "stored draw", "samples"),
+            f" {'is' if samples == 1 else 'are'} worth only ",
+        ),
         *(lowest(effective, name="effective", digits=3), " under these distributions, and at least "),
         *(count(needed, "needed"), " are needed; move the distributions less, or draw a larger sample"),
     )

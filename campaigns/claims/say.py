@@ -56,6 +56,11 @@ def count(value: int, name: str = "") -> Span:
     return _quantity(value, "", Format.COUNT, 6, name)
 
 
+def amount(value: int, noun: str, name: str = "") -> Spans:
+    """A whole number with its noun, which is in the singular after 1: 1 sample, 2 samples."""
+    return say(count(value, name), f" {noun}{'' if value == 1 else 's'}")
+
+
 def percent(fraction: float, digits: int = 3, name: str = "") -> Span:
     """A fraction as percent."""
     return _quantity(fraction, "", Format.PERCENT, digits, name)

@@ -58,8 +58,8 @@ def print_report(
     console = Console(width=None if sys.stdout.isatty() else 120)
     for line in [] if cites is None else citing(cites):
         console.print(Text(line))
-    console.print(_stages(store, verdict))
-    console.print(_comparison(store, verdict))
+    console.print(_stages(store, verdict, campaign.criterion.threshold))
+    console.print(_comparison(store, verdict, campaign.criterion.threshold))
     if store.findings:
         console.print(_findings(campaign, store, verdict))
         for line in [*_how_found(store), *_likely(likely or likelihoods(campaign, store, verdict.unit))]:
@@ -81,7 +81,7 @@ def print_report(
         console.print(Text(f"Results in {out}"))
 
 
-def _stages(store: MemoryStore, verdict: Verdict) -> Table:
+def _stages(store: MemoryStore, verdict: Verdict, threshold: float) -> Table:
     table = Table("Stage", title=None)
     for heading in (f"Lowest {verdict.quantity} [{verdict.unit}]", "Evaluations", "Failed", "Excluded", "Time [s]"):
         table.add_column(escape(heading), justify="right")
@@ -91,7 +91,7 @@ def _stages(store: MemoryStore, verdict: Verdict) -> Table:
         ok = None if columns is None else columns.costs[columns.status == OK, 0]
         table.add_row(
             named(record.plan.kind, record.plan.method),
-            "" if ok is None or not len(ok) else number(float(ok.min())),
+            "" if ok is None or not len(ok) else beside(float(ok.min()), threshold),
             *map(count, made(store, position)),
             f"{record.seconds:.2f}",
             _ended(record.result),
@@ -99,12 +99,12 @@ def _stages(store: MemoryStore, verdict: Verdict) -> Table:
         search = searched(store, position)
         for minimum in search.minima if search is not None and search.kind == "local" else []:
             at = escape(f"at {_values(minimum.parameters)}")
-            cells = (number(minimum.cost), count(minimum.evaluations), "", "", "", at)
+            cells = (beside(minimum.cost, threshold), count(minimum.evaluations), "", "", "", at)
             table.add_row(escape(f"  from {_values(minimum.start or {})}"), *cells, style="dim")
         if shared := _shared(store, position):
             table.add_row("  counted for several starts", "", f"−{count(shared)}", "", "", "", "", style="dim")
     counts = verdict.evaluations or Counts(stored=0, succeeded=0, failed=0, excluded=0)
-    lowest = "" if counts.lowest is None else number(counts.lowest)
+    lowest = "" if counts.lowest is None else beside(counts.lowest, threshold)
     time = f"{sum(record.seconds for record in store.stages):.2f}"
     table.add_section()
     table.add_row("all stages", lowest, *map(count, (counts.made, counts.failed, counts.excluded)), time, "")
@@ -137,7 +137,7 @@ def _stated(store: MemoryStore) -> list[str]:
     return [words(sentence(part.statement)) for part in parts if part is not None]
 
 
-def _comparison(store: MemoryStore, verdict: Verdict) -> Table:
+def _comparison(store: MemoryStore, verdict: Verdict, threshold: float) -> Table:
     """The comparison of the methods, from `worker.engine.stages.parts.comparison`."""
     table = Table("Method")
     near = f"Within {percent(SAME_COST)} of best"
@@ -149,7 +149,7 @@ def _comparison(store: MemoryStore, verdict: Verdict) -> Table:
     for row in [] if validated is None else validated.comparison:
         table.add_row(
             row.title,
-            "" if row.best is None else number(row.best),
+            "" if row.best is None else beside(row.best, threshold),
             count(row.evaluations),
             count(row.failed),
             count(row.excluded),
@@ -160,7 +160,7 @@ def _comparison(store: MemoryStore, verdict: Verdict) -> Table:
         )
         search = searched(store, row.position)
         for member in [] if search is None else search.members:
-            best = "" if member.best is None else number(member.best)
+            best = "" if member.best is None else beside(member.best, threshold)
             cells = (best, count(member.evaluations), "", "", "", "", "", "")
             table.add_row(f"  {member.title}{', apart' if member.apart else ''}", *cells, style="dim")
     return table
@@ -240,7 +240,8 @@ def _how_found(store: MemoryStore) -> list[str]:
     certificate = certificate_of(stage.result for stage in store.stages if stage.result is not None)
     for finding in store.findings:
         ways = [f"{named('search', by.method)[8:]} after {count(by.evaluations)}" for by in finding.found]
-        by = f"{words(listed(ways))} evaluations" if ways else unsearched(finding.validation, certificate)
+        noun = "evaluation" if ways and finding.found[-1].evaluations == 1 else "evaluations"
+        by = f"{words(listed(ways))} {noun}" if ways else unsearched(finding.validation, certificate)
         how = f"found by {by}"
         if not ways and finding.realisation is None:
             how += (
@@ -251,7 +252,9 @@ def _how_found(store: MemoryStore) -> list[str]:
     validated = confirmed(store)
     gathered = None if validated is None else validated.findings
     if gathered is not None and gathered.left_out:
-        lines.append(f"{count(gathered.left_out)} local minima no worse than the nominal case are omitted")
+        minima = "local minimum" if gathered.left_out == 1 else "local minima"
+        are = "is" if gathered.left_out == 1 else "are"
+        lines.append(f"{count(gathered.left_out)} {minima} no worse than the nominal case {are} omitted")
     if any(f.at_bounds for f in store.findings):
         lines.append("↓ ↑ at its lower or upper bound")
     return lines

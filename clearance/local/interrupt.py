@@ -47,8 +47,10 @@ def explained(store: MemoryStore) -> Iterator[None]:
     try:
         yield
     except KeyboardInterrupt:
+        made = _completed(store) - before
+        were = "evaluation was completed; it is" if made == 1 else "evaluations were completed; they are"
         raise KeyboardInterrupt(
-            f"{count(_completed(store) - before)} evaluations were completed; they are not stored, because "
+            f"{count(made)} {were} not stored, because "
             "`clearance run` stores a run when it ends, so start it again. A run that is submitted to a service "
             "(`clearance submit`) resumes after an interruption"
         ) from None

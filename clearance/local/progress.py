@@ -15,7 +15,7 @@ from rich.progress import BarColumn, MofNCompleteColumn, TextColumn, TimeElapsed
 from rich.progress import Progress as Bars
 
 from campaigns import Campaign
-from campaigns.claims.numbers import count, number
+from campaigns.claims.numbers import beside, count
 from campaigns.stages.found import declared
 from campaigns.stages.plan import left, plan
 from worker.engine.stages.parts.context import Tally
@@ -65,8 +65,9 @@ class Progress:
         ]
         console = Console(stderr=True)
         display = None if console.is_terminal else _display()
+        of = names, campaign.criterion.threshold
         self._shown: Shown | None = (
-            _Bars(names, console) if console.is_terminal else _Display(names, display) if display else _Lines(names)
+            _Bars(*of, console) if console.is_terminal else _Display(*of, display) if display else _Lines(*of)
         )
 
     def show(self, position: int, tally: Tally) -> None:
@@ -87,8 +88,8 @@ class Progress:
 
 
 class _Bars:
-    def __init__(self, names: Names, console: Console) -> None:
-        self._names = names
+    def __init__(self, names: Names, threshold: float, console: Console) -> None:
+        self._names, self._threshold = names, threshold
         self._bars = Bars(
             TextColumn("{task.description:<24}"), BarColumn(), MofNCompleteColumn(), TextColumn("{task.fields[best]}"),
             TimeElapsedColumn(), console=console, transient=True,
@@ -101,7 +102,9 @@ class _Bars:
             of = self._names[position]
             self._tasks[position] = self._bars.add_task(of.name, total=of.planned, best="")
         whole = self._names[position].whole(tally)
-        self._bars.update(self._tasks[position], total=whole, completed=tally.evaluations, best=_best(tally))
+        self._bars.update(
+            self._tasks[position], total=whole, completed=tally.evaluations, best=_best(tally, self._threshold)
+        )
 
     def end(self) -> None:
         self._bars.stop()
@@ -111,8 +114,8 @@ class _Lines:
     """A line for each stage once the next one has begun, or the run has ended, with the time of its last evaluation
     since the start: how long a stage took is measured by the run, and stated in its result."""
 
-    def __init__(self, names: Names) -> None:
-        self._names, self._now = names, -1
+    def __init__(self, names: Names, threshold: float) -> None:
+        self._names, self._threshold, self._now = names, threshold, -1
         self._began, self._seen, self._tally = time.monotonic(), 0.0, Tally()
 
     def show(self, position: int, tally: Tally) -> None:
@@ -122,7 +125,11 @@ class _Lines:
 
     def end(self) -> None:
         if self._now >= 0:
-            parts = [_evaluations(self._tally), _best(self._tally), f"{self._seen - self._began:.1f} s after the start"]
+            parts = [
+                _evaluations(self._tally),
+                _best(self._tally, self._threshold),
+                f"{self._seen - self._began:.1f} s after the start",
+            ]
             print(f"{self._names[self._now].name}: {', '.join(filter(None, parts))}", file=sys.stderr, flush=True)
         self._now = -1
 
@@ -130,8 +137,8 @@ class _Lines:
 class _Display:
     """A table that is updated in place, by the display that the notebook has."""
 
-    def __init__(self, names: Names, display: Callable[..., Any]) -> None:
-        self._names, self._display = names, display
+    def __init__(self, names: Names, threshold: float, display: Callable[..., Any]) -> None:
+        self._names, self._threshold, self._display = names, threshold, display
         self._tallies: dict[int, Tally] = {}
         self._handle: Any = None
         self._updated, self._ended = 0.0, False
@@ -155,7 +162,10 @@ class _Display:
             self._handle.update(self)
 
     def __repr__(self) -> str:
-        rows = [f"{self._names[at].name}: {_evaluations(tally)} {_best(tally)}" for at, tally in self._tallies.items()]
+        rows = [
+            f"{self._names[at].name}: {_evaluations(tally)} {_best(tally, self._threshold)}"
+            for at, tally in self._tallies.items()
+        ]
         return "\n".join(map(str.rstrip, rows))
 
     def _repr_html_(self) -> str:
@@ -169,7 +179,11 @@ class _Display:
             value = most if done else None if planned is None and tally else 0 if tally is None else tally.evaluations
             filled = "" if value is None else f' value="{value}"'
             bar = f'<progress max="{most}"{filled}></progress>'
-            texts = [escape(name), bar, *(("", "") if tally is None else (_evaluations(tally), _best(tally)))]
+            texts = [
+                escape(name),
+                bar,
+                *(("", "") if tally is None else (_evaluations(tally), _best(tally, self._threshold))),
+            ]
             rows.append(f"<tr>{''.join(f'{cell}{text}</td>' for text in texts)}</tr>")
         return f'<table style="font-variant-numeric:tabular-nums">{"".join(rows)}</table>'
 
@@ -189,8 +203,8 @@ def _evaluations(tally: Tally) -> str:
     return f"{count(tally.evaluations)} evaluation{'' if tally.evaluations == 1 else 's'}"
 
 
-def _best(tally: Tally) -> str:
-    return "" if tally.best is None else f"best {number(tally.best)}"
+def _best(tally: Tally, threshold: float) -> str:
+    return "" if tally.best is None else f"best {beside(tally.best, threshold)}"
 
 
 def named(kind: str, method: str | None) -> str:

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 from campaigns.claims.numbers import digits_of, number, written
-from campaigns.claims.say import Part, count, joined, say
+from campaigns.claims.say import Part, amount, count, joined, say
 from campaigns.claims.spans import Spans
 
 
@@ -24,7 +24,7 @@ def evaluated(run: str, cases: Sequence[Case], thresholds: tuple[float, float], 
     """thresholds: of that run, and of this one."""
     known = [case for case in cases if case.has_value]
     clauses: list[Part] = [
-        say(count(len(known), "known"), " of ", count(len(cases), "cases"), f" findings of {run} evaluated")
+        say(count(len(known), "known"), " of ", amount(len(cases), "finding", "cases"), f" of {run} evaluated")
     ]
     clauses += [
         f"{case.label} {'has no value' if case.evaluated else 'was not evaluated'}: {case.reason}"

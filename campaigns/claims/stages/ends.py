@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from campaigns.claims.say import count, say
+from campaigns.claims.say import amount, count, say
 from campaigns.claims.spans import Spans
 
 BUDGET = "used its budget of {budget} evaluations"
@@ -26,7 +26,7 @@ def confirmed(kept: int, at_most: int) -> Spans:
 
 def skipped(points: int, at_most: int) -> Spans:
     """Descents that were left out."""
-    of = say("no local search began at ", count(points, "points"), " low points")
+    of = say("no local search began at ", amount(points, "low point", "points"))
     return say(of, ", because validation is limited to ", count(at_most, "at_most"), " evaluations")
 
 

@@ -2,11 +2,25 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
-from campaigns.claims.say import at_most, count, goal, listed, lowest, number, percent, probability, say, sure, symbol
+from campaigns.claims.say import (
+    amount,
+    at_most,
+    count,
+    goal,
+    listed,
+    lowest,
+    number,
+    percent,
+    probability,
+    say,
+    sure,
+    symbol,
+)
 from campaigns.claims.spans import Spans, words
 
 
@@ -59,32 +73,39 @@ class Counts:
 
     def bound(self, upper: float) -> Spans:
         """How many violate, and the bound on P(violation)."""
-        drawn = f" samples drawn from the stated distributions{self.seed}{self.terms.drawn}"
-        seen = say(count(self.violations, "violations"), " of ", count(self.samples, "samples"), drawn)
+        drawn = f" drawn from the stated distributions{self.seed}{self.terms.drawn}"
+        seen = say(count(self.violations, "violations"), " of ", amount(self.samples, "sample", "samples"), drawn)
         return say(
-            *(seen, violate(self.failed), f": P(violation){_over(self.excluded, self.outside)} is at most "),
+            *(
+                seen,
+                violate(self.failed, self.violations),
+                f": P(violation){_over(self.excluded, self.outside)} is at most ",
+            ),
             *(at_most(upper, name="upper_bound"), " with ", sure(self.confidence)),
             *(" confidence", self._beyond(), self._conditions(over_all=self.outside > 0.0)),
         )
 
     def unclaimed(self, points: str, why: str) -> Spans:
         """How many violate, and why no bound follows."""
+        points = re.sub(r"\b(point|sample)s\b", r"\1", points, count=1) if self.samples == 1 else points
         estimate = say(" (an estimate of ", probability(self.violations / self.samples), ")") if self.samples else ()
         return say(
             *(count(self.violations, "violations"), " of ", count(self.samples, "samples"), f" {points}"),
-            *(violate(self.failed), estimate, f": {why}", self._conditions()),
+            *(violate(self.failed, self.violations), estimate, f": {why}", self._conditions()),
         )
 
     def quantile(
         self, fraction: float, quantity: str, unit: str, order: int, needed: int | None, value: float | None
     ) -> Spans:
         """The bound on a quantile: the value of this order, or why there is none."""
-        most, size, none = percent(fraction, 6, "share"), count(self.samples, "samples"), "no bound on the "
+        most, none = percent(fraction, 6, "share"), "no bound on the "
         if needed is None:
             return say(none, most, " quantile: ", probability(self.outside), " of the draws may be beyond the bounds")
         if order == 0:
-            few = " samples are too few for a bound on the "
-            return say(size, few, most, " quantile, which needs ", count(needed, "needed"))
+            few = f" {'is' if self.samples == 1 else 'are'} too few for a bound on the "
+            return say(
+                amount(self.samples, "sample", "samples"), few, most, " quantile, which needs ", count(needed, "needed")
+            )
         if value is None:
             return say(none, most, f" quantile: the {_ordinal(order)} lowest of the sample is a failed evaluation")
         counted = _over(self.excluded, self.outside) or (" that are not excluded" if self.excluded else "")
@@ -98,12 +119,15 @@ class Counts:
         if not self.excluded:
             return say(self.terms.holds)
         draws = self.samples + self.excluded
-        only, why = "it holds only for starts above the threshold", " start at or below it and were excluded"
+        one = self.excluded == 1
+        were = "was" if one else "were"
+        start = "starts" if one else "start"
+        only, why = "it holds only for starts above the threshold", f" {start} at or below it and {were} excluded"
         if self.simulator:
-            only, why = "it holds only where the simulator excludes nothing", " were excluded"
+            only, why = "it holds only where the simulator excludes nothing", f" {were} excluded"
         if over_all:
             which = "that the simulator excludes" if self.simulator else "that start at or below the threshold"
-            only, why = f"draws {which} count as no violations", " were excluded"
+            only, why = f"draws {which} count as no violations", f" {were} excluded"
         return say(
             f"{self.terms.holds}; {only}: ",
             *(count(self.excluded, "draws_excluded"), " of ", count(draws, "draws"), " draws ("),
@@ -120,9 +144,9 @@ class Counts:
 def counted(draws: int, blocks: int, stored: int) -> Spans:
     """What is stored of a sample of which only a part is."""
     return say(
-        *(count(stored, "stored"), " of ", count(draws, "draws"), " draws are stored: the lowest, the first, and the "),
-        *("first without a result; all are counted in ", count(blocks, "blocks"), " blocks, which can be flown again "),
-        "from the seed of the sample",
+        *(count(stored, "stored"), " of ", amount(draws, "draw", "draws"), f" {'is' if stored == 1 else 'are'} stored"),
+        ": the lowest, the first, and the first without a result; all are counted in ",
+        *(amount(blocks, "block", "blocks"), ", which can be flown again from the seed of the sample"),
     )
 
 
@@ -139,11 +163,10 @@ class Drawn(NamedTuple):
     failed: int = 0
 
 
-def violate(failed: int) -> Spans:
-    """The verb of violations, among which failed evaluations count: it states how many they are, if any."""
-    if not failed:
-        return say(" violate the criterion")
-    return say(" violate the criterion or failed (", count(failed, "draws_failed"), " failed)")
+def violate(failed: int, violations: int) -> Spans:
+    """The verb of so many violations, among which failed evaluations count: it states how many they are, if any."""
+    verb = " violates the criterion" if violations == 1 else " violate the criterion"
+    return say(verb, " or failed (", count(failed, "draws_failed"), " failed)") if failed else say(verb)
 
 
 def interim(statement: Spans, looks: int, level: float) -> Spans:
@@ -162,13 +185,14 @@ def curtailed(statement: Spans, allowed: int, target: float, samples: int, count
         statement,
         *("; it ended early, because at most ", count(allowed, "allowed"), " of ", count(samples, "requested")),
         *(" samples may violate for a bound of ", goal(target), ", and this bound counts the "),
-        *(count(counted, "bound_samples"), " samples before the last block"),
+        *(amount(counted, "sample", "bound_samples"), " before the last block"),
     )
 
 
 def certified(drawing: Spans, quantile: Spans, samples: int, requested: int) -> Spans:
     """The sentence of a sample with its quantile, and how many samples are missing."""
-    short = say("; only ", count(samples), " of ", count(requested), " samples were not excluded")
+    were = " was not excluded" if samples == 1 else " were not excluded"
+    short = say("; only ", count(samples), " of ", amount(requested, "sample"), were)
     return say(drawing, "; ", quantile, short if samples < requested else ())
 
 
@@ -179,9 +203,9 @@ def so_far(counts: Drawn, upper: float, left: int, at_end: float) -> Spans:
         ", of which at most ", at_most(counts.outside or 0.0, name="outside"), " is the probability beyond the bounds"
     )
     return say(
-        *("so far ", count(counts.violations, "violations"), " of ", count(counts.samples, "samples")),
+        *("so far ", count(counts.violations, "violations"), " of ", amount(counts.samples, "sample", "samples")),
         *(
-            *(f" samples{counts.seed}", violate(counts.failed)),
+            *(counts.seed, violate(counts.failed, counts.violations)),
             *(f": P(violation){where} is at most ", at_most(upper, name="upper_bound")),
         ),
         *(" with ", sure(counts.confidence), " confidence if it ended now, "),
@@ -198,7 +222,7 @@ def grid(points: int, total: int, lowest: tuple[str, float, str] | None, violati
         found = say("lowest ", symbol(quantity), " ", number(cost, unit))
     return say(
         *("full grid of ", count(points), " points on every axis, ", count(total), " in all: ", found),
-        *(", ", count(violations), violate(failed)),
+        *(", ", count(violations), violate(failed, violations)),
         "; nothing is claimed between these points",
     )
 

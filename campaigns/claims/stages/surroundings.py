@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import NamedTuple
 
-from campaigns.claims.say import Part, count, listed, number, percent, say, symbol
+from campaigns.claims.say import Part, amount, count, listed, number, percent, say, symbol
 from campaigns.claims.spans import Spans
 
 NOMINAL_BEYOND = say("the nominal case itself violates the criterion or fails")
@@ -71,11 +71,12 @@ def no_base_variance(evaluations: int) -> Spans:
 def possible_gain(rectangles: int, lost: int, quantity: str, lowest: float, best: float, unit: str) -> Spans:
     """The estimate of how far below the best of DIRECT's search the criterion may be; lost: rectangles without a
     value."""
-    without = say("; ", count(lost), " rectangles without a value are ignored") if lost else ()
+    ignored = f" without a value {'is' if lost == 1 else 'are'} ignored"
+    without = say("; ", amount(lost, "rectangle"), ignored) if lost else ()
     return say(
         *("estimated minimum of ", symbol(quantity), ": ", number(lowest, unit), ", ", number(best - lowest, unit)),
         " below the lowest value of this search; not a bound, it assumes in ",
-        *(count(rectangles), " rectangles the steepest slope observed", without),
+        *(amount(rectangles, "rectangle"), " the steepest slope observed", without),
     )
 
 

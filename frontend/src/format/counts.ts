@@ -56,8 +56,9 @@ export const lostOf = ({ failed, excluded }: Pick<Sample, 'failed' | 'excluded'>
 /** 9 of 300 samples violate or failed (4 failed); 20 draws excluded. */
 export function violatedOf({ samples, violations, failed, excluded }: Sample): string {
   const all = failed !== null && failed > 0 && failed === violations
-  const how = all ? 'failed and count as violations' : failed ? `violate or failed (${count(failed)} failed)` : 'violate'
-  return `${count(violations)} of ${count(samples)} samples ${how}${excluded ? `; ${count(excluded)} draws excluded` : ''}`
+  const [counts, violate] = violations === 1 ? ['counts as a violation', 'violates'] : ['count as violations', 'violate']
+  const how = all ? `failed and ${counts}` : failed ? `${violate} or failed (${count(failed)} failed)` : violate
+  return `${count(violations)} of ${count(samples)} ${samples === 1 ? 'sample' : 'samples'} ${how}${excluded ? `; ${count(excluded)} draws excluded` : ''}`
 }
 
 /** How many evaluations have a value. */

@@ -5,6 +5,7 @@ The driver counts, stores, stops at the budget and tracks the best point; a meth
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Generator, Mapping, Sequence
 from dataclasses import dataclass, field, is_dataclass
 from itertools import accumulate
@@ -96,9 +97,18 @@ class Ended(str):
     values: dict[str, object]
 
     def __new__(cls, code: str, template: str, **values: object) -> Ended:
+        template = numbered(template, values)
         made = super().__new__(cls, template.format(**values))
         made.code, made.template, made.values = code, template, values
         return made
+
+
+def numbered(template: str, values: Mapping[str, object]) -> str:
+    """The template with a noun in the singular after a number that is 1: "{iterations} iteration"."""
+    for name, value in values.items():
+        if value == 1:
+            template = re.sub(rf"(\{{{name}\}} [a-z]+)s\b", r"\1", template)
+    return template
 
 
 Search = Generator[Floats, Batch, str]

@@ -11,7 +11,7 @@ from collections.abc import Iterator
 
 from campaigns import rules
 from campaigns.asked.spec import Simulator
-from campaigns.claims.say import capital, case, count, finding, joined, listed, number, on_side, say, sure
+from campaigns.claims.say import amount, capital, case, count, finding, joined, listed, number, on_side, say, sure
 from campaigns.claims.spans import Spans
 from campaigns.codes import CheckCode
 from campaigns.results import Finding
@@ -160,8 +160,9 @@ def _several(
         return False, say(is_, "; in independent calls, ", joined("; ", [*bad, *lucky]))
     spot = evidence.spot_checks
     if spot.compared < spot.checked:
-        lost = count(spot.checked - spot.compared, "lost")
-        return False, say(is_, "; ", lost, " random evaluations have no value when evaluated again")
+        lost = amount(spot.checked - spot.compared, "random evaluation", "lost")
+        have = " has" if spot.checked - spot.compared == 1 else " have"
+        return False, say(is_, "; ", lost, have, " no value when evaluated again")
     if measured.by_process:
         return False, say(
             *(is_, "; evaluations in one process repeat, but differ in another: calls in one process are not "),
@@ -212,7 +213,8 @@ def _later(measured: Measured, problem: Problem, evidence: Evidence) -> tuple[bo
     if apart:
         differ = say("evaluated again, a case differs by ", number(apart, problem.unit, "apart"))
         return False, say(differ, "; ", _of_values(problem, apart, evidence))
-    later = say("; so do ", count(compared + spot.compared, "again"), " later comparisons")
+    more = compared + spot.compared
+    later = say(f"; so {'does' if more == 1 else 'do'} ", amount(more, "later comparison", "again"))
     return True, say(measured.statement, later)
 
 

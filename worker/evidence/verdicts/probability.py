@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from campaigns import rules
 from campaigns.asked.sample_bound import needed
-from campaigns.claims.say import at_most, count, goal, listed, percent, say
+from campaigns.claims.say import amount, at_most, count, goal, listed, percent, say
 from campaigns.claims.say import probability as share
 from campaigns.claims.spans import Spans
 from campaigns.claims.stages.sample import violate
@@ -101,16 +101,16 @@ def _sampled(evidence: Evidence) -> Check:
 def _advice(sample: Sample) -> Spans:
     """Advice on a bound above the ceiling: more samples help only if few of them violate, and few draws lie outside
     the bounds."""
-    ceiling, drawn = rules.CEILING.value, count(sample.samples, "samples")
+    ceiling, drawn = rules.CEILING.value, amount(sample.samples, "sample", "samples")
     if not sample.samples:
         return say("all of its draws were excluded")
     if sample.violations > ceiling * sample.samples:
-        return say(count(sample.violations, "violations"), " of its ", drawn, " samples", violate(sample.failed))
+        return say(count(sample.violations, "violations"), " of its ", drawn, violate(sample.failed, sample.violations))
     if needed(sample.violations, sample.samples, ceiling - sample.outside, sample.confidence) is None:
         beyond = at_most(sample.outside, name="outside")
         of = (" of the draws lie outside the bounds, which the bound counts ", "whatever the sample; widen the bounds")
         return say("at most ", beyond, *of)
-    return say("draw more than ", drawn, " samples")
+    return say("draw more than ", drawn)
 
 
 def _bound(problem: Problem, evidence: Evidence) -> list[Check]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from campaigns.claims.say import Part, case, count, joined, listed, number, say, unnamed
+from campaigns.claims.say import Part, amount, case, count, joined, listed, number, say, unnamed
 from campaigns.claims.spans import Spans
 from campaigns.claims.terms import Words
 from campaigns.results import StageResult, ValidateResult
@@ -69,11 +69,13 @@ def _counts(words: Words, found: Violations, spent: Spent | None) -> Spans:
         none = say(many, "validation examined none of them")
         most = None if spent is None else count(spent.at_most, "at_most")
         return none if most is None else say(none, ", because it is limited to ", most, " evaluations")
-    of = say("all of them")
+    of = say("it" if found.stored == 1 else "all of them")
     if found.checked < found.stored:
         of = say(count(found.checked, "checked"), " of them, spread over the range of values,")
     confirmed = count(found.confirmed, "confirmed")
-    return say(many, of, f" were {words.again}, and ", confirmed, " violate there as well")
+    were = "was" if found.checked == 1 else "were"
+    violate = "violates" if found.confirmed == 1 else "violate"
+    return say(many, of, f" {were} {words.again}, and ", confirmed, f" {violate} there as well")
 
 
 def _left_out(spent: Spent | None) -> Spans:
@@ -89,13 +91,15 @@ def _compared(words: Words, found: SpotChecks, unit: str) -> Spans:
     why = f" ({found.reasons[0]})" if found.reasons else ""
     if found.largest is None or found.median is None:
         return say(f"no random evaluation could be compared with {by}{why}")
+    differ = "differs" if found.compared == 1 else "differ"
     statement = say(
-        *(count(found.compared, "compared"), f" random evaluations differ from {by} by at most "),
+        *(amount(found.compared, "random evaluation", "compared"), f" {differ} from {by} by at most "),
         *(number(found.largest, unit, "largest"), ", half of them by at most ", number(found.median, unit, "median")),
     )
     without = found.checked - found.compared
     if without:
         statement = say(statement, "; ", count(without), f" more could not be compared{why}")
     if found.violating:
-        statement = say(statement, "; ", count(found.violating), f" violate the criterion only with {by}")
+        violate = "violates" if found.violating == 1 else "violate"
+        statement = say(statement, "; ", count(found.violating), f" {violate} the criterion only with {by}")
     return statement

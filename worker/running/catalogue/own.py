@@ -27,6 +27,7 @@ from campaigns.catalogue import Kind, UnusableEntry
 from worker.engine.components.own import FOLDERS, folders, listed
 from worker.engine.kernels.folder import cache_folder, store
 from worker.running.catalogue.alone import NoAnswer, answer_of
+from worker.running.examination.time_limit import BUSY, TIMEOUT
 
 PACKAGE = "worker.engine.components.own"
 PROCESS = "worker.running.examination"
@@ -34,7 +35,6 @@ LONGEST = 60.0
 """Time for examining a file [s]."""
 PHASES = 3
 """Parts of it that may each take as much of that time: starting, importing the file, simulating it."""
-TIMEOUT = "CLEARANCE_EXAMINATION_TIMEOUT"
 AGAIN = 600.0
 """A file whose examination took too long is examined again after this time [s]: the machine may have been busy."""
 
@@ -171,7 +171,7 @@ def _examined(file: Path, vehicles: dict[str, Path]) -> dict[str, Any]:
     except NoAnswer as error:
         if not error.started:
             return {"text": f"it could not be examined: {error}", "until": time.time()}
-        advice = "look for a loop that does not end" if error.overdue else "remove what ends it"
+        advice = f"look for a loop that does not end; {BUSY}" if error.overdue else "remove what ends it"
         text = f"examining it {'took ' if error.overdue else ''}{error}: {advice}"
         return {"text": text, "until": time.time() + AGAIN}
 

@@ -12,6 +12,8 @@ from worker.running.examination.mistake import Mistake
 
 AGAIN = 1.0
 """Time after which it is ended again, if the file has caught the exception [s]."""
+TIMEOUT = "CLEARANCE_EXAMINATION_TIMEOUT"
+BUSY = f"if the machine was busy, try again or allow more time with {TIMEOUT}"
 
 
 class Overdue(Mistake):
@@ -26,11 +28,11 @@ def limited(seconds: float, file: Path, doing: str) -> Iterator[None]:
         while frame is not None and frame.f_code.co_filename != str(file):
             frame = frame.f_back
         if frame is None:
-            raise Overdue(f"the check stopped after {seconds:g} s, {doing}: look for a loop that does not end")
+            raise Overdue(f"the check stopped after {seconds:g} s, {doing}: look for a loop that does not end; {BUSY}")
         where = frame.f_code.co_name
         place = "a loop at the top of the file" if where == "<module>" else where
         stopped = f"the check stopped after {seconds:g} s in {place}, {doing}"
-        raise Overdue(f"{stopped}: give every loop a maximum number of turns", frame.f_lineno)
+        raise Overdue(f"{stopped}: give every loop a maximum number of turns; {BUSY}", frame.f_lineno)
 
     if not seconds:
         yield

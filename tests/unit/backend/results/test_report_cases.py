@@ -29,6 +29,14 @@ def test_of_independent_calls_the_lowest_is_shown() -> None:
     assert (row()["called"], row()["other"]) == (False, "\u2014")
 
 
+def test_that_no_obstacle_approaches_is_stated_only_where_distances_are_extrapolated() -> None:
+    """Of a criterion without distances to obstacles nothing is."""
+    found = Beyond(times=2.0, flights=302, closer=0, lowest=None)
+    for measured_to, stated in (("surface", True), ("centre", True), ("", False)):
+        record: Any = SimpleNamespace(run=SimpleNamespace(criteria=[SimpleNamespace(measured_to=measured_to)]))
+        assert ("no obstacle is approaching" in validation._beyond(record, found)) == stated
+
+
 def test_neighbours_that_failed_are_counted() -> None:
     around = Neighbours(flown=300, failed=7, lowest=1.25, lower_by=None)
     assert row(neighbours=around)["neighbours"] == "300, 7 failed"

@@ -51,7 +51,7 @@ def test_a_bar_is_not_full_while_excluded_samples_are_drawn_again(monkeypatch: p
     (task,) = shown._bars.tasks
     assert (task.completed, task.total) == (planned, 2 * planned)
     shown.end()
-    in_notebook = progress._Display(shown._names, lambda *_, **__: SimpleNamespace(update=lambda _: None))
+    in_notebook = progress._Display(shown._names, 0.5, lambda *_, **__: SimpleNamespace(update=lambda _: None))
     in_notebook.show(position, tally)
     assert f'<progress max="{2 * planned}" value="{planned}">' in in_notebook._repr_html_()
 

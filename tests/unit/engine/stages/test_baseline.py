@@ -130,7 +130,7 @@ def test_a_parameter_that_is_fixed_at_its_value_and_one_that_is_new() -> None:
 
 def test_a_baseline_of_which_nothing_can_be_evaluated_says_so() -> None:
     made = context(against({"parameters": {"vehicle.m": 9.0}}), flat)
-    assert ran(made).text.startswith("0 of 1 findings of R-0001 evaluated; F1 was not evaluated: ")
+    assert ran(made).text.startswith("0 of 1 finding of R-0001 evaluated; F1 was not evaluated: ")
     assert made.store.evaluations(1) is None
 
 

@@ -82,7 +82,8 @@ def test_the_budget_is_used_exactly_and_never_exceeded(budget: int) -> None:
     evaluate = Counting()
     driven = drive(context(evaluate), 0, in_batches([3, 5, 10]), budget)
     assert evaluate.count == driven.tally.evaluations == budget
-    assert (driven.stop, driven.how.text) == ("budget", BUDGET.format(budget=budget))
+    template = BUDGET if budget > 1 else "used its budget of {budget} evaluation"
+    assert (driven.stop, driven.how.text) == ("budget", template.format(budget=budget))
     assert driven.columns is not None
     assert driven.columns.points[:, 0].tolist() == list(range(budget))
 

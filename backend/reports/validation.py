@@ -20,6 +20,7 @@ from campaigns.results.finding import ClosestApproach, Neighbours, Validation
 from campaigns.results.validate import Beyond, Encounter, Later, Unseen
 
 Row = dict[str, object]
+FAR = "no obstacle is approaching"
 _AT = {
     "start": "at the start of the horizon",
     "end": "at the end of the horizon",
@@ -148,7 +149,7 @@ def _beyond(record: Record, beyond: Beyond) -> str:
     many = f"{numbers.count(beyond.closer)} of {numbers.count(beyond.flights)} flights come closer"
     measured = _measured(record)
     far = measured and not beyond.lowest and not beyond.unknown
-    shown = [many, "no obstacle is approaching"] if far else [many]
+    shown = [many, FAR] if far else [many]
     fail, on = "fails" if beyond.cut_short == 1 else "fail", ", extrapolated from there" if measured else ""
     shown += [f"{numbers.count(beyond.cut_short)} {fail} after the horizon{on}"] if beyond.cut_short else []
     shown += [f"lowest: {_later(record, beyond.lowest)}"] if beyond.lowest else []

@@ -108,7 +108,7 @@ def test_what_failed_is_no_violation_of_the_criterion(service: Service, client: 
     found = drawing(service, client, failed=1)
     assert (found["violations"], found["failed"]) == (VIOLATIONS, 1)
     assert found["text"] == sentence(0.0, failed=1)
-    assert "violate the criterion or failed (1 failed)" in found["text"]
+    assert found["text"] != sentence(0.0)
 
 
 @pytest.mark.parametrize("excluded", [0, DRAWN, 2 * DRAWN])

@@ -97,17 +97,16 @@ class Ended(str):
     values: dict[str, object]
 
     def __new__(cls, code: str, template: str, **values: object) -> Ended:
-        template = numbered(template, values)
+        template = numbered(template, [name for name, value in values.items() if value == 1])
         made = super().__new__(cls, template.format(**values))
         made.code, made.template, made.values = code, template, values
         return made
 
 
-def numbered(template: str, values: Mapping[str, object]) -> str:
-    """The template with a noun in the singular after a number that is 1: "{iterations} iteration"."""
-    for name, value in values.items():
-        if value == 1:
-            template = re.sub(rf"(\{{{name}\}} [a-z]+)s\b", r"\1", template)
+def numbered(template: str, ones: Sequence[str]) -> str:
+    """The template with a noun in the singular after each number that is 1: "{iterations} iteration"."""
+    for name in ones:
+        template = re.sub(rf"(\{{{name}\}} [a-z]+)s\b", r"\1", template)
     return template
 
 

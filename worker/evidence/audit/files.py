@@ -60,7 +60,9 @@ def compared(
         found["files.rows"] = (len(stage), _rows(folder / TABLE, campaign, evidence, arrays, stage, reasons))
     if (Versions.of(evidence["versions"]).wording or 0) >= BASELINES:
         found["files.failures"] = (evidence.get("failures", []), _failures(arrays[2], stage, reasons))
-        found["files.failures_not_stored"] = _not_stored(evidence, arrays[2], stage)
+        follows = _not_stored(evidence.get("results") or (), arrays[2], stage)
+        states = (Versions.of(evidence["versions"]).wording or 0) >= VIOLATING  # earlier versions did not
+        found["files.failures_not_stored"] = (evidence.get("failures_not_stored", 0 if states else follows), follows)
     if note := evidence.get("baseline"):
         named = "No baseline: " if campaign.baseline is None else campaign.baseline.run
         found["files.baseline"] = (note, note if named in note else f"one that states {named}")
@@ -82,14 +84,13 @@ def _failures(status: Any, stage: Any, reasons: Mapping[int, Mapping[str, str]])
     return [{**found[key], "evaluations": times} for key, times in many.most_common(LISTED)]
 
 
-def _not_stored(evidence: Mapping[str, Any], status: Any, stage: Any) -> tuple[Any, Any]:
-    """How many failed evaluations are only counted, as stated and as it follows; earlier versions did not state it."""
-    failed, follows = (status != OK) & (status != EXCLUDED), 0
-    for k, result in enumerate(evidence.get("results") or ()):
+def _not_stored(results: Sequence[Any], status: Any, stage: Any) -> int:
+    """How many failed evaluations are only counted."""
+    failed, found = (status != OK) & (status != EXCLUDED), 0
+    for k, result in enumerate(results):
         if blocks := (result or {}).get("blocks"):
-            follows += sum(blocks["failed"]) - int(np.count_nonzero(failed & (stage == k)))
-    states = (Versions.of(evidence["versions"]).wording or 0) >= VIOLATING
-    return evidence.get("failures_not_stored", 0 if states else follows), follows
+            found += sum(blocks["failed"]) - int(np.count_nonzero(failed & (stage == k)))
+    return found
 
 
 def _identity(evidence: Mapping[str, Any], campaign: Campaign) -> dict[str, tuple[Any, Any]]:

@@ -24,10 +24,9 @@ from traceback import walk_tb
 from typing import Any, NamedTuple
 
 from campaigns.catalogue import Kind, UnusableEntry
-from worker.engine.components.own import FOLDERS, folders, listed
+from worker.engine.components.own import BUSY, FOLDERS, TIMEOUT, folders, listed
 from worker.engine.kernels.folder import cache_folder, store
 from worker.running.catalogue.alone import NoAnswer, answer_of
-from worker.running.examination.time_limit import BUSY, TIMEOUT
 
 PACKAGE = "worker.engine.components.own"
 PROCESS = "worker.running.examination"

@@ -8,12 +8,11 @@ from collections.abc import Iterator
 from pathlib import Path
 from types import FrameType
 
+from worker.engine.components.own import BUSY
 from worker.running.examination.mistake import Mistake
 
 AGAIN = 1.0
 """Time after which it is ended again, if the file has caught the exception [s]."""
-TIMEOUT = "CLEARANCE_EXAMINATION_TIMEOUT"
-BUSY = f"if the machine was busy, try again or allow more time with {TIMEOUT}"
 
 
 class Overdue(Mistake):

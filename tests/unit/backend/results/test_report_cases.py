@@ -34,7 +34,7 @@ def test_that_no_obstacle_approaches_is_stated_only_where_distances_are_extrapol
     found = Beyond(times=2.0, flights=302, closer=0, lowest=None)
     for measured_to, stated in (("surface", True), ("centre", True), ("", False)):
         record: Any = SimpleNamespace(run=SimpleNamespace(criteria=[SimpleNamespace(measured_to=measured_to)]))
-        assert ("no obstacle is approaching" in validation._beyond(record, found)) == stated
+        assert (validation.FAR in validation._beyond(record, found)) == stated
 
 
 def test_neighbours_that_failed_are_counted() -> None:

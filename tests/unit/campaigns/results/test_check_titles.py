@@ -7,7 +7,7 @@ from campaigns.asked.spec import Encounter
 from campaigns.results.verdict import Check
 from campaigns.results.verdicts import described, validated
 from campaigns.rules import RULES, rule
-from campaigns.symbols import labels
+from campaigns.symbols import labels, name_of
 from tests.given.case_campaigns import case1
 from tests.given.verdict_evidence import case, concluded, evidence
 from worker.evidence.verdicts.checks import checks
@@ -58,12 +58,12 @@ def test_the_symbol_of_a_threshold_which_no_catalogue_has_counts_nowhere() -> No
     own = {"criterion.threshold": "c", "objectives.0.threshold": "c"}
     assert labels(known, known) == labels(known, known | own) == {"vehicle.drag": "c"}
     of_others = labels(known, known | {"faults.0.threshold": "c", "simulator.threshold": "c"})
-    assert of_others == {"vehicle.drag": "c of the vehicle"}
+    assert of_others == {"vehicle.drag": name_of("vehicle.drag", "c")}
 
 
 def test_a_parameter_without_a_symbol_is_named_by_the_last_part_of_its_path() -> None:
     assert labels(["simulator.a"], {"simulator.a": "", "simulator.b": ""}) == {"simulator.a": "a"}
-    assert labels(["vehicle.m"], {"vehicle.m": "", "start.m": ""}) == {"vehicle.m": "m of the vehicle"}
+    assert labels(["vehicle.m"], {"vehicle.m": "", "start.m": ""}) == {"vehicle.m": name_of("vehicle.m", "m")}
 
 
 def test_a_shared_symbol_names_the_part_it_belongs_to() -> None:

@@ -11,6 +11,9 @@ import os
 from pathlib import Path
 
 FOLDERS = "CLEARANCE_COMPONENTS"
+TIMEOUT = "CLEARANCE_EXAMINATION_TIMEOUT"
+"""Of the time for examining a file [s]."""
+BUSY = f"if the machine was busy, try again or allow more time with {TIMEOUT}"
 
 
 def listed() -> list[Path]:

@@ -44,10 +44,10 @@ def test_neighbours_that_failed_are_counted() -> None:
 
 
 def encounter(**changes: Any) -> dict[str, str]:
-    """The rows on the encounter, as text."""
+    """The rows on the encounter, as text; of a criterion on distances."""
     validated = SimpleNamespace(encounter=encountered(**changes))
-    of = Quantity("d_min", "m", None)
-    record: Any = SimpleNamespace(of=of, validated=validated, findings=[], symbol_html=lambda path: path)
+    of, run = Quantity("d_min", "m", None), SimpleNamespace(criteria=[SimpleNamespace(measured_to="surface")])
+    record: Any = SimpleNamespace(of=of, run=run, validated=validated, findings=[], symbol_html=lambda path: path)
     return {re.sub("<[^>]*>", "", name): str(text) for name, text in validation.encounter(record)}
 
 

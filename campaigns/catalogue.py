@@ -221,7 +221,8 @@ class SimulatorEntry(Entry):
     parameters: list[ParameterEntry]
     results: list[ResultEntry]
     step: Annotated[str | None, UNSTATED] = None
-    """The name of its step, which is halved when cases are confirmed; omitted if it declares none."""
+    """The name of its step, which is halved when cases are confirmed; of an FMU the communication step; omitted if it
+    declares none."""
 
     @property
     def version(self) -> str:

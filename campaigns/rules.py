@@ -180,8 +180,8 @@ RULES = (
         CheckCode.REPETITION,
         "Repeated evaluation",
         "Of a simulator, in place of the integrators: the nominal case and every finding agree when evaluated again, "
-        "or in independent calls. Every random evaluation has a value again, and none violates the criterion only "
-        "then.",
+        "with a step also at half of it, or in independent calls. Every random evaluation has a value again, and none "
+        "violates the criterion only then.",
         ("validate",),
         RemedyKind.CALLS,
     ),

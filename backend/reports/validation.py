@@ -52,6 +52,7 @@ def _case(of: Quantity, case: Validation) -> Row:
         "called": case.repeats is not None,
         "seed": seed(case),
         "cost": numbers.fixed(case.cost, decimals),
+        "halved": half is not None,
         "half": numbers.fixed(halved, decimals),
         "half_by": numbers.plain(None if half is None else half.difference, 2),
         "other": numbers.fixed(again, decimals),
@@ -61,8 +62,15 @@ def _case(of: Quantity, case: Validation) -> Row:
         "lower": numbers.plain(neighbours.lower_by, 2) if neighbours and neighbours.lowest is not None else NONE,
         "ok": case.ok,
         "word": verdicts.validated(case),
-        "reason": "" if other is None else other.reason,
+        "reason": _why(case),
     }
+
+
+def _why(case: Validation) -> str:
+    """Why there is no value at half the step, and of the other comparison."""
+    half, other = case.half_step, case.integrator or case.again
+    refused = f"at half the step: {half.reason}" if half is not None and half.reason else ""
+    return "; ".join(filter(None, (refused, "" if other is None else other.reason)))
 
 
 def _neighbours(flown: Neighbours) -> str:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Annotated, Literal
 
-from campaigns.documented import UNLESS_NONE
+from campaigns.documented import UNLESS_NONE, UNSTATED
 from campaigns.results.base import Described, Result, Values
 from campaigns.results.slices import Slices
 from campaigns.results.trace import Closest
@@ -18,6 +18,8 @@ class HalfStep(Result):
     """[s]"""
     cost: float | None
     difference: float | None
+    reason: Annotated[str, UNSTATED] = ""
+    """Of a simulator: why it has no cost, such as an FMU that refuses this step; omitted if it has one."""
 
 
 class ReferenceCost(Result):

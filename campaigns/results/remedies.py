@@ -242,6 +242,8 @@ def _repeated_calls(check: Check, ran: Ran) -> Iterator[Remedy]:
     simulator = ran.campaign.simulator
     if simulator is None or (check.code == CheckCode.CALLS and simulator.calls == 1 and "repeats" not in check.values):
         return  # what fails only sometimes would only fail more often
+    if check.code == CheckCode.REPETITION and any(result is not None and result.halved for result in ran.results):
+        return  # if its calls differ, another check says so; several would not be made at half the step
     at = ("simulator", "repeats")
     if simulator.calls == 1:
         calls = int(check.values.get("repeats", rules.CALLS_UNMEASURED))

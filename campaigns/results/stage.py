@@ -116,6 +116,11 @@ class StageResult(Result):
         return None
 
     @property
+    def halved(self) -> bool:
+        """Whether it evaluated the nominal case at half the step."""
+        return False
+
+    @property
     def made_again(self) -> Sequence[float]:
         """Values of evaluations that it made again to confirm others, which no stage stores; those of findings are in
         the findings."""

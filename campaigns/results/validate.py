@@ -275,6 +275,10 @@ class ValidateResult(StageResult, Described):
     versions."""
 
     @property
+    def halved(self) -> bool:
+        return self.nominal is not None and self.nominal.half_step is not None
+
+    @property
     def made_again(self) -> list[float]:
         cases = [self.nominal, *(best.validation for best in self.incumbents)]
         spot = None if self.spot_checks is None else self.spot_checks.lowest_reference

@@ -19,6 +19,7 @@ from worker.engine.problem.problem import Problem
 from worker.engine.systems import optional
 from worker.engine.systems.base import Floats, Slotted, indices
 from worker.engine.systems.closed_loop.system import ClosedLoop
+from worker.engine.systems.simulators.simulated import Simulated
 from worker.evidence.scopes.terms import terms
 from worker.running.opening import opened
 
@@ -104,10 +105,13 @@ class SystemContract:
         batch, _ = system.evaluate(vectors[:2])
         confirmed = system.confirm(vectors[:2], [None, None])
         assert [c.cost for c in confirmed] == batch.costs[:, 0].tolist()
+        stepped = isinstance(system, Simulated) and system.step is not None
         kinds = {"half_step", "integrator"} if optional.settings(system).integrator else {"again"}
+        kinds |= {"half_step"} if stepped else set()
         for case, other in zip(confirmed, optional.compare(system, vectors[:2], [None, None]), strict=True):
             assert {c.kind for c in case.comparisons} == kinds
-            assert all(_near(c.cost, case.cost) for c in case.comparisons)
+            # How much half the step of a simulator may change is the tolerance of a campaign.
+            assert all(_near(c.cost, case.cost) for c in case.comparisons if not (stepped and c.kind == "half_step"))
             assert other == case.comparisons[-1]
         assert system.confirm(vectors[:2], [None, None], lambda: True) == []
 

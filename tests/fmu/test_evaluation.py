@@ -147,7 +147,7 @@ def test_state_that_stays_behind_is_noticed_and_changes_nothing(tmp_path: Path, 
     simulated.close()
     assert how in text
     assert reasons == {}
-    assert batch.costs[0, 0] == batch.costs[2, 0] == confirmed.cost == confirmed.comparisons[0].cost
+    assert batch.costs[0, 0] == batch.costs[2, 0] == confirmed.cost == confirmed.comparisons[-1].cost
     assert batch.costs[0, 0] != batch.costs[1, 0]
 
 

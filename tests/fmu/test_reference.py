@@ -139,7 +139,7 @@ def test_one_instance_is_reset_and_repeats_to_the_bit(
     simulated.close()
     assert reasons == {}
     assert simulated.reuse.how == "reset", simulated.reuse
-    assert batch.costs[0, 0] == batch.costs[2, 0] == confirmed.cost == confirmed.comparisons[0].cost
+    assert batch.costs[0, 0] == batch.costs[2, 0] == confirmed.cost == confirmed.comparisons[-1].cost
     assert batch.costs[0, 0] != batch.costs[1, 0]
 
 

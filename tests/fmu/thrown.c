@@ -1,7 +1,7 @@
 /* A mass thrown past a mast, with linear drag, as an FMU of FMI 2.0 (-DFMI=2) or 3.0 (-DFMI=3), for co-simulation.
 
    Each communication step is one step of Heun's method. The parameter `trouble` makes it misbehave at t >= 0.5 s, by the
-   numbers in `step`. -DLEAK=1: reset keeps the state; -DLEAK=2: the library keeps it, also in a new instance. -DTOKEN is
+   numbers in `step`; with 10 it accepts no communication step below 0.01 s. -DLEAK=1: reset keeps the state; -DLEAK=2: the library keeps it, also in a new instance. -DTOKEN is
    the GUID or instantiation token that it accepts. With FMI 2.0 it refuses categories of log messages. -DNORESET: it
    cannot be reset. -DSTARTS: a command that it runs when it is first instantiated; its steps take longer then. */
 #include <math.h>
@@ -63,6 +63,10 @@ static void slope(const Model *m, const double *y, double *d) {
 
 static int step(Model *m, double time, double h) {
     double a[4], b[4], y[4];
+    if (m->trouble == 10 && h < 0.0099) {
+        report(m, ERROR, "cannot make a step as short for a mass");
+        return ERROR;
+    }
     slope(m, m->state, a);
     for (int i = 0; i < 4; i++) y[i] = m->state[i] + h * a[i];
     slope(m, y, b);

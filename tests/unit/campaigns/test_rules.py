@@ -89,6 +89,7 @@ def test_the_audit_has_the_same_limits() -> None:
         "VIOLATING",
         "WHOLE",
         "BASINS",
+        "HALVED",
         "RULES",
         "SMALLEST",
         "POINTS",

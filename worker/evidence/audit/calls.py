@@ -22,10 +22,12 @@ class Calls:
     """The calls of a run's simulator, from the evaluations of its first stage and the recorded independent calls.
 
     Closed loops, and runs of versions that did not measure whether results repeat, have none; whole: those of others
-    must have them.
+    must have them; stepped: single calls would be confirmed at half the step.
     """
 
-    def __init__(self, record: Record, points: Any, costs: Any, status: Any, whole: bool) -> None:
+    def __init__(
+        self, record: Record, points: Any, costs: Any, status: Any, whole: bool, stepped: bool = False
+    ) -> None:  # fmt: skip
         self.campaign, self.claims, simulator = record.campaign, record.claims, record.campaign.simulator
         self.measures = simulator is not None and (whole or len(status) > 1)
         self.number = simulator.calls if simulator is not None else 1
@@ -34,6 +36,7 @@ class Calls:
         declared = stated is None or bool(stated["declared"])  # one that is absent is reported as such
         self.repeats = self.measured is None or (self.measured.identical and declared)
         self.noisy = self.measures and (self.number > 1 or not self.repeats)
+        self.stepped = stepped
 
     def case(self, recorded: Any, name: str = OMIT, cost: float = OMIT) -> Validation:
         """The validation of a case by independent calls, whose values are stored; name, cost: to be stated of it."""
@@ -93,6 +96,7 @@ class Calls:
         spot = self.claims["results"][-1]["spot_checks"]
         clear = clear and spot["compared"] == spot["checked"]
         own = noise == "drawn" and self.measured is not None and not self.measured.by_process
+        own = own and not (self.stepped and self.repeats)
         return clear and own and simulator is not None and simulator.combine == "worst"
 
     def _later(self) -> bool:

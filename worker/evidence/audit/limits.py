@@ -39,7 +39,10 @@ method that share what they know are one in all its searches; since which the wo
 independent calls show is that of a call; since which flights that fail after the horizon are counted, with what they
 meet before, and a nominal case that fails has no closest approach; since which failed evaluations alone are no
 violations to estimate from; since which a sample of which all were drawn did not end early."""
-RULES = max(BASINS, BASELINES, BESIDE, ROUNDED, TAILS, LOWEST, SHARED, CALLED, AFTER, VIOLATING, WHOLE)
+HALVED = 14
+"""The version since which FMUs are confirmed at half the communication step, and what repeats is not cleared by several
+calls where single ones would be confirmed so."""
+RULES = max(BASINS, BASELINES, BESIDE, ROUNDED, TAILS, LOWEST, SHARED, CALLED, AFTER, VIOLATING, WHOLE, HALVED)
 """The version since which the rules are those of today."""
 POINTS, TIMES = 5, 3
 """Of a simulator: how many points are evaluated to measure whether it repeats, and how often each."""

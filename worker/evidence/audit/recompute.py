@@ -6,6 +6,7 @@ Wilks (Annals of Mathematical Statistics 12, 1941).
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Mapping
 from itertools import count
 from typing import Any
@@ -127,13 +128,14 @@ class Run:
         first = np.flatnonzero(self.stage == 0)[:1]  # a simulator has further evaluations in the first stage
         self.nominal = float(self.raw[first][0]) if (self.status[first] == OK).any() else math.nan
         self.lowest = min(self.costs.tolist(), default=math.nan)
-        self.calls = Calls(record, *self.rows(0), whole=self.whole)
+        self.others = self.means()
+        stepped = "half_step" in self.others and self.wording >= limits.HALVED
+        self.calls = Calls(record, *self.rows(0), whole=self.whole, stepped=stepped)
         self.highest = max(self.costs.tolist(), default=math.nan)
         known = self.points[self.status == OK]
         self.one_point = len(known) > 0 and bool((known == known[0]).all())
         """Whether all evaluations with a cost are of one point."""
         self.varies = self.highest - self.lowest > self._rounding()
-        self.others = self.means()
         self.findings = [self.finding(k) for k in range(len(self.claims["findings"]))]
         again = self._again()
         violating = [k for k, f in enumerate(self.findings) if f.validation.violates]
@@ -189,7 +191,13 @@ class Run:
         if simulator is None:
             return ("half_step", "integrator")
         entry = known.simulator(simulator.name) if known else None
-        return ("again",) if entry is None or entry.step is None else ("half_step", "again")
+        stepped = (entry is not None and entry.step is not None) or (self.wording >= limits.HALVED and self._of_fmu())
+        return ("half_step", "again") if stepped else ("again",)
+
+    def _of_fmu(self) -> bool:
+        """Whether the scope states the settings of an FMU."""
+        scope = "".join(str(span.get("text", "")) for span in self.claims.get("holds_for") or [])
+        return re.search(r"; FMI \d\S* co-simulation from \S+ s to ", scope) is not None
 
     def finding(self, position: int) -> Finding:
         """A finding by the stored evaluation at its point."""
@@ -211,7 +219,10 @@ class Run:
         to be stated of it."""
         if self.calls.noisy:
             return self.calls.case(recorded, name, stated_cost)
-        stated = (recorded["cost"], *(recorded[k]["cost"] for k in self.others))
+        absent = (
+            {} if self.campaign.simulator is None else {"half_step": {"cost": None}}
+        )  # of an FMU, before it was due
+        stated = (recorded["cost"], *((recorded[k] or absent[k])["cost"] for k in self.others))
         costs = np.array(stated, dtype=np.float64)  # None becomes NaN, for which every comparison is False
         cost, tolerance = float(costs[0]), self.campaign.stages.validate_.tolerance
         scenario = self.campaign.scenario if self.sealed else None

@@ -56,8 +56,8 @@ TRUSTED = (
     Trusted(
         "Values by half the step, the reference integrator and repeated calls; spot checks; neighbours",
         "they are evaluations, too; tolerances, agreement and counts that follow from them are recomputed",
-        (r"half_step\.cost", r"integrator\.(cost|reason)", r"again", r"repeats\.(values|reasons)", r"incumbents",
-         r"spot_checks\.(compared|largest|median|violating|lowest_reference|at|reasons)",
+        (r"half_step\.(cost|reason)", r"integrator\.(cost|reason)", r"again", r"repeats\.(values|reasons)",
+         r"incumbents", r"spot_checks\.(compared|largest|median|violating|lowest_reference|at|reasons)",
          r"violations\.confirmed", r"neighbours", r"realisation", r"drawn_realisations", r"measured\.(?!statement)",
          r"untraced"),
     ),

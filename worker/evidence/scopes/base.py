@@ -23,5 +23,7 @@ class Terms:
     """Reasons that rule out "cleared" for any result: the check's code and the sentence."""
     function: Literal["", "in_process", "isolated"] = ""
     """Where a Python function is called; empty for any other system."""
+    stepped: bool = False
+    """Whether it is a simulator of which single calls are confirmed at half its step, too."""
     obstacles: tuple[str, ...] = ()
     """The titles of a scenario's obstacles, in order."""

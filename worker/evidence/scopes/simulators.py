@@ -26,15 +26,17 @@ OWN = frozenset({"scope", "words", "caveat", "shows", "bars"})
 """What a package may state of its own simulator."""
 
 
-def terms(system: System) -> Terms:
-    """The terms of a simulator."""
+def terms(system: System, calls: int = 1) -> Terms:
+    """The terms of a simulator, of which an evaluation is so many calls."""
+    stepped = _stepped(system)
     if not OWN.intersection(dir(system)):
-        return Terms(_scope(system), _words(system), _caveat(system), function=_function(system))
+        caveat = _caveat(system, calls)
+        return Terms(_scope(system), _words(system), caveat, function=_function(system), stepped=stepped)
     kind = type(system)
     if not isinstance(system, _Usual):  # a base, so that `super()` of its own terms finds the usual ones
         system.__class__ = type(kind.__name__, (kind, _Usual), {"__module__": kind.__module__})
     own: Any = system
-    return Terms(own.scope, own.words, own.caveat, own.shows, tuple(own.bars()))
+    return Terms(own.scope, own.words, own.caveat, own.shows, tuple(own.bars()), stepped=stepped)
 
 
 def _function(system: Any) -> Literal["", "in_process", "isolated"]:
@@ -80,8 +82,12 @@ def simulator_scope(
     return Scope(say(what), say(settings), version)
 
 
+def _stepped(system: Any) -> bool:
+    return isinstance(system, Simulated) and system.step is not None
+
+
 def _words(system: Any) -> Words:
-    return words_of(isinstance(system, Simulated) and system.step is not None)
+    return words_of(_stepped(system))
 
 
 def words_of(halved: bool) -> Words:
@@ -97,13 +103,14 @@ def words_of(halved: bool) -> Words:
     )
 
 
-def _caveat(system: Any) -> str:
+def _caveat(system: Any, calls: int = 1) -> str:
     if not isinstance(system, Simulated):
         return ""
     if isinstance(system, InProcess):
         return function_caveat(system.unread or (None if system.from_files else ""))
     every = system.described.step if isinstance(system, FmuSimulator) else None
-    return simulator_caveat(system.step is not None, every, system.unread if isinstance(system, Isolated) else "")
+    unread = system.unread if isinstance(system, Isolated) else ""
+    return simulator_caveat(_stepped(system), every, unread, calls)
 
 
 def function_caveat(unread: str | None) -> str:
@@ -115,11 +122,15 @@ def function_caveat(unread: str | None) -> str:
     return f"Cases were evaluated again by the same function in the same process only. {UNCHECKED}{covered}"
 
 
-def simulator_caveat(halved: bool, every: float | None = None, unread: str = "") -> str:
+def simulator_caveat(stepped: bool, every: float | None = None, unread: str = "", calls: int = 1) -> str:
     """The caveat of any other simulator; every: the time between two readings of the variables of an FMU [s]; unread:
-    what of the code of a function could not be read."""
-    again = "Cases were evaluated again by the same simulator only"
-    read = "" if every is None else f" Its variables are read every {every:g} s, and not in between."
+    what of the code of a function could not be read; calls: of an evaluation, several of which are not made at half the
+    step."""
+    halved, again = stepped and calls == 1, "Cases were evaluated again by the same simulator only"
+    if stepped and not halved:
+        again += ", not at half its step"
+    between = f", at half the step every {every / 2:g} s" if halved and every is not None else ""
+    read = "" if every is None else f" Its variables are read every {every:g} s{between}, and not in between."
     return f"{again}{', also at half its step' if halved else ''}. {UNCHECKED}{_unread(unread)}{read}"
 
 

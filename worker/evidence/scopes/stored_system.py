@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator, Sequence
+from functools import partial
 from typing import NoReturn
 
 import numpy as np
@@ -16,6 +17,7 @@ from campaigns.asked.criteria import named
 from campaigns.checked.check import parameters, seeded
 from campaigns.versions import Versions
 from worker.engine.systems.base import Parameter, Realised, Result, System
+from worker.engine.systems.simulators.fmus.simulator import SHARES
 from worker.evidence.scopes import closed_loop, simulators
 from worker.evidence.scopes.base import Terms
 
@@ -24,7 +26,8 @@ INTEGRATOR = "DOP853"
 _UNKNOWN = re.compile(r"no digest, its code is not identified: (.+)\.$")
 _COVERS = re.compile(r"simulator digest [0-9a-f]{12} (of its description in the campaign file[^;]*)\.$")
 _FMU = re.compile(
-    r"; (FMI \d\S* co-simulation from \S+ s to \S+ s, communication step (\S+) s, (?:instance|reset|process))\. This"
+    r"; (FMI \d\S* co-simulation from \S+ s to \S+ s, communication step (\S+) s,"
+    rf" (?:{'|'.join(SHARES.values())})(?: \(.+\))?)\. This"
 )
 
 
@@ -64,27 +67,29 @@ def systems(campaign: Campaign, catalogue: Catalogue, versions: Versions, scope:
 
 def _simulators(campaign: Campaign, catalogue: Catalogue, versions: Versions, scope: str) -> Iterator[Terms]:
     assert campaign.simulator is not None
-    entry = catalogue.simulator(campaign.simulator.name)
+    entry, calls = catalogue.simulator(campaign.simulator.name), campaign.simulator.calls
     if entry is None:
         return
-    name, digest, halved = (entry.title, entry.name), versions.simulator or "", entry.step is not None
-    words = simulators.words_of(halved)
+    name, digest, stepped = (entry.title, entry.name), versions.simulator or "", entry.step is not None
+    words, caveat_of = simulators.words_of(stepped), partial(simulators.simulator_caveat, stepped, calls=calls)
     unknown, covers, fmu = (pattern.search(scope) for pattern in (_UNKNOWN, _COVERS, _FMU))
     if unknown is not None:
         of_function = simulators.function_scope(*name, "", unknown[1])
         yield Terms(of_function, words, simulators.function_caveat(unknown[1]), function="in_process")
-        yield Terms(of_function, words, simulators.simulator_caveat(halved, unread=unknown[1]), function="isolated")
-    function, again = simulators.function_scope(*name, digest), simulators.simulator_caveat(halved)
+        yield Terms(of_function, words, caveat_of(unread=unknown[1]), function="isolated")
+    function, again = simulators.function_scope(*name, digest), caveat_of()
     for caveat in map(simulators.function_caveat, (None, "")):
         yield Terms(function, words, caveat, function="in_process")
     yield Terms(function, words, again, function="isolated")
     if versions.command and covers is not None:
-        yield Terms(simulators.simulator_scope(*name, digest, versions.command, covers[1]), words, again)
+        yield Terms(
+            simulators.simulator_scope(*name, digest, versions.command, covers[1]), words, again, stepped=stepped
+        )
     for of_folder in (simulators.OF_FOLDER, ""):  # earlier versions did not state it
-        yield Terms(simulators.simulator_scope(*name, digest, covers=of_folder), words, again)
+        yield Terms(simulators.simulator_scope(*name, digest, covers=of_folder), words, again, stepped=stepped)
         if fmu is not None:
-            read = simulators.simulator_caveat(halved, float(fmu[2]))
-            yield Terms(simulators.simulator_scope(*name, digest, covers=of_folder, settings=fmu[1]), words, read)
+            settings = simulators.simulator_scope(*name, digest, covers=of_folder, settings=fmu[1])
+            yield Terms(settings, words, caveat_of(every=float(fmu[2])), stepped=stepped)
 
 
 def _results(campaign: Campaign, catalogue: Catalogue) -> tuple[Result, ...]:

@@ -16,4 +16,6 @@ def terms(system: System) -> Terms:
         return system.terms
     if isinstance(system, ClosedLoop):
         return closed_loop.described(system.campaign, system.installed.catalogue, system.reference)
-    return simulators.terms(system.inner if isinstance(system, Called) else system)
+    return (
+        simulators.terms(system.inner, system.request.calls) if isinstance(system, Called) else simulators.terms(system)
+    )

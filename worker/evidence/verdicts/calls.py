@@ -139,6 +139,11 @@ def _several(
         return False, say(
             is_, f"; a {simulator.combine} can hide a violation by one of the calls; set combine to worst"
         )
+    if measured.repeats and terms(problem.system).stepped:
+        return False, say(
+            *(is_, "; it repeats, and where an evaluation is several calls no case is evaluated at half the step; "),
+            "remove simulator.repeats",
+        )
     without = [name for name, v in cases if v.repeats is None]
     if without:
         return False, say(is_, "; no independent calls of ", listed(without))

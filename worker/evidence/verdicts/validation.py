@@ -43,12 +43,19 @@ def _agreement(words: Words, cases: Sequence[Validation]) -> Spans:
         statement.append(say(f"{words.disagrees} by more than the tolerance for ", listed(wrong)))
     if lacking:
         verb = "lacks a value" if len(lacking) == 1 else "lack a value"
-        statement.append(say(listed(lacking), f" {verb} when {words.again}"))
+        statement.append(say(listed(lacking), f" {verb} when {words.again}", _refused(cases)))
     elif agreed and not wrong:
         statement.append(say(f"{words.agree} for ", listed(agreed)))
     if apart:
         statement.append(say(f"{words.every} of ", listed(apart), " violate, but differ by more than the tolerance"))
     return joined("; ", statement)
+
+
+def _refused(cases: Sequence[Validation]) -> str:
+    """Why a simulator gave no value at half the step, in parentheses: what it says of the first of these cases."""
+    found = (c.half_step.reason for c in cases if not c.ok and c.half_step is not None and c.half_step.cost is None)
+    why = next(filter(None, found), "")
+    return why and f" (at half the step: {why})"
 
 
 def _repeated(words: Words, cases: Sequence[Validation]) -> Spans:

@@ -9,7 +9,7 @@ from typing import Any
 from backend.reports import validation
 from backend.reports.figures import Quantity
 from campaigns.results.base import Status, ending
-from campaigns.results.finding import Calls, Neighbours, Validation
+from campaigns.results.finding import Calls, HalfStep, Neighbours, ReferenceCost, Repeated, Validation
 from campaigns.results.validate import Beyond, Later
 from tests.given.verdict_evidence import encountered
 
@@ -72,3 +72,15 @@ def test_a_change_along_a_slice_names_evaluations_without_a_value() -> None:
     assert ending(no_value["c"]) in c
     assert (a.split()[:3], b.split(), c.split()[0]) == (["a", "0", "m"], ["b", "1", "m"], "c")
     assert "0" not in c
+
+
+def test_of_a_simulator_with_a_step_half_of_it_is_shown_and_why_it_has_no_value() -> None:
+    again = Repeated(name="a fresh evaluation", cost=1.25, difference=0.0)
+    shown = row(half_step=HalfStep(step=0.5, cost=1.125, difference=-0.125), again=again)
+    assert (shown["halved"], shown["half"], shown["reason"]) == (True, "1.125000", "")
+    refused = HalfStep(step=0.5, cost=None, difference=None, reason="not so short")
+    lost = ReferenceCost(name="DOP853", cost=None, difference=None, reason="it diverged")
+    without = str(row(half_step=refused, again=again)["reason"])
+    assert without.endswith(refused.reason)
+    assert row(half_step=refused, integrator=lost)["reason"] == f"{without}; {lost.reason}"
+    assert not row(again=again)["halved"]

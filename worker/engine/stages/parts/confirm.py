@@ -98,7 +98,7 @@ def _against(stored: float | None, found: Confirmed, threshold: float) -> Confir
 
 def _stored(other: Comparison, difference: float | None) -> Any:
     if other.kind == "half_step":
-        return HalfStep(step=other.step or 0.0, cost=other.cost, difference=difference)
+        return HalfStep(step=other.step or 0.0, cost=other.cost, difference=difference, reason=other.reason)
     kind = ReferenceCost if other.kind == "integrator" else Repeated
     return kind(name=other.name, cost=other.cost, difference=difference, reason=other.reason)
 

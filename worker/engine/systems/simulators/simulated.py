@@ -29,7 +29,7 @@ class Simulated(Slotted):
     """
 
     step: float | None = None
-    """Its step, if it declares one."""
+    """Its step, if it declares one; of an FMU its communication step."""
     columns: Mapping[str, Column] = MappingProxyType({})
     """Of the trace that it returns on request; empty if it returns none."""
     scene: Scene | None = None

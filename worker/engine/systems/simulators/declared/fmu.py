@@ -23,6 +23,8 @@ CELLS = 500_000
 """Values of a trace, rows times columns, that an answer of 16 MB can hold with all digits."""
 ROWS = 100_000
 """Of a trace."""
+STEP = "communication step"
+"""The name of the step of every FMU."""
 
 
 @dataclass(frozen=True)
@@ -80,6 +82,7 @@ class DescribedFmu(Described):
             text=d.text or self.model.text,
             parameters=[each.entry for each in self.inputs],
             results=[_result(name, r, self.model.variables[r.variable]) for name, r in d.results.items()],
+            step=STEP,
         )
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import sys
 from contextlib import closing
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from worker.engine.systems.base import Settings
@@ -50,27 +50,37 @@ class Reuse:
 
 
 class FmuSimulator(CommandSimulator):
-    """Evaluates a described FMU."""
+    """Evaluates a described FMU. Its step is the communication step, at which its variables are read."""
 
     described: DescribedFmu
 
     def __init__(
-        self, described: DescribedFmu, opening: Opening, reuse: Reuse, fresh: bool = False,
+        self, described: DescribedFmu, opening: Opening, reuse: Reuse, fresh: bool = False, halvings: int = 0,
         unchanged: Unchanged | None = None,
     ) -> None:  # fmt: skip
-        super().__init__(described, opening, fresh, unchanged=unchanged)
+        super().__init__(described, opening, fresh, halvings, unchanged)
         self.reuse = reuse
+        self.step = described.step / 2**halvings
         self.settings = Settings(step=described.step)
 
     def fresh(self) -> FmuSimulator:
-        return FmuSimulator(self.described, self.opening, self.reuse, True, self.unchanged)
+        return FmuSimulator(self.described, self.opening, self.reuse, True, self._halvings, self.unchanged)
+
+    def halved(self) -> FmuSimulator:
+        return FmuSimulator(self.described, self.opening, self.reuse, True, self._halvings + 1, self.unchanged)
+
+    @property
+    def _limits(self) -> Limits:
+        """Twice the steps may take twice the time."""
+        limits = super()._limits
+        return replace(limits, timeout=limits.timeout * 2**self._halvings)
 
     @property
     def _recycle(self) -> int:
         return 1 if self.reuse.how == "process" else super()._recycle
 
     def _program(self, work: Path) -> Program:
-        return program(self.described, self.opening.result, self.reuse.how, "evaluate", work)
+        return program(self.described, self.opening.result, self.reuse.how, "evaluate", work, self._halvings)
 
 
 def opened(described: DescribedFmu, opening: Opening, unchanged: Unchanged | None = None) -> FmuSimulator:
@@ -113,9 +123,13 @@ def _farther(nominal: float, low: float, high: float) -> float:
     return low if nominal - low > high - nominal else high
 
 
-def program(described: DescribedFmu, result: str, reuse: str, function: str, work: Path) -> Program:
-    """The process of a slot, and its job as a file; on another machine the job itself, which is some kilobytes."""
-    job = json.dumps(_job(described, result, reuse))
+def program(
+    described: DescribedFmu, result: str, reuse: str, function: str, work: Path, halvings: int = 0
+) -> Program:  # fmt: skip
+    """The process of a slot, and its job as a file; on another machine the job itself, which is some kilobytes.
+
+    halvings: of the communication step."""
+    job = json.dumps(_job(described, result, reuse, halvings))
     if work != Path(WORK):
         file = work / "job.json"
         file.write_text(job, encoding="utf-8")
@@ -125,7 +139,7 @@ def program(described: DescribedFmu, result: str, reuse: str, function: str, wor
     return Program(command, "framed", environment, str(work / "{slot}"))
 
 
-def _job(described: DescribedFmu, result: str, reuse: str) -> Job:
+def _job(described: DescribedFmu, result: str, reuse: str, halvings: int) -> Job:
     """The request to the process; it computes only the result that the campaign names."""
     d, m = described.descriptor, described.model
     fixed = [(m.variables[name], value) for name, value in d.fixed.items()]
@@ -140,8 +154,8 @@ def _job(described: DescribedFmu, result: str, reuse: str) -> Job:
         "categories": [c for c in LOGGED if c in m.categories],
         "start": m.start,
         "stop": described.stop,
-        "step": described.step,
-        "steps": described.steps,
+        "step": described.step / 2**halvings,
+        "steps": described.steps * 2**halvings,
         "tolerance": m.tolerance,
         "reuse": reuse,
         "set": [(v.type, v.reference, value) for v, value in fixed],

@@ -25,3 +25,5 @@ class Terms:
     """Where a Python function is called; empty for any other system."""
     obstacles: tuple[str, ...] = ()
     """The titles of a scenario's obstacles, in order."""
+    followed: bool = True
+    """Whether the closest approach is known beyond what is simulated; not that of a criterion without distances."""

@@ -93,6 +93,7 @@ def test_the_lowest_value_on_a_line_is_that_of_the_shape(shape: str, criterion: 
     least = float(np.linalg.norm(velocity)) * 100.0 / 400_000
     assert lowest <= values.min() + 1e-9
     assert lowest >= values.min() - least
+    assert 0.0 <= time <= 100.0 + 1e-9
     at = truth(shape, criterion, (begin + time * velocity)[None, :axes])
     assert lowest == pytest.approx(float(at[0]), abs=1e-6)
 

@@ -153,7 +153,7 @@ class Ahead:
                 inside = self._along(line, begin, part, PIECES + 1)[:, self._first + obstacle]
                 at = int(np.argmin(inside))
                 best = min(best, (float(inside[at]), begin + at * part))
-                begin, width = begin + max(at - 1, 0) * part, 2.0 * part
+                begin, width = begin + min(max(at - 1, 0), PIECES - 2) * part, 2.0 * part
         return best
 
 

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import math
 from functools import cache
-from typing import Any
+from itertools import product
+from typing import Annotated, Any, NamedTuple
 
 import numpy as np
 import pytest
@@ -15,9 +16,18 @@ from campaigns.results.validate import Beyond
 from clearance.testing.problems import Problem
 from tests.given.at_night import nightly_but
 from tests.given.case_campaigns import document as case1
+from worker.engine.components.obstacles import circle
+from worker.engine.kernels.component import Obstacle, Parameter, Rate, Reach
+from worker.engine.kernels.maths import clip, kernel, norm2, sincos
+from worker.engine.kernels.views import Body
 from worker.engine.systems import optional
+from worker.engine.systems.closed_loop import beyond
 from worker.engine.systems.closed_loop.ahead import Ahead, Leg
+from worker.engine.systems.closed_loop.flights import Flights
+from worker.engine.systems.closed_loop.parts import Installed
 from worker.engine.systems.closed_loop.trace import Seen
+from worker.running.catalogue.entries import component_entry
+from worker.running.catalogue.installed import catalogue, components
 
 Points = np.ndarray[Any, np.dtype[np.float64]]
 MIDDLE = (400.0, -300.0, -900.0)
@@ -151,3 +161,96 @@ def test_an_aircraft_that_descends_or_climbs_to_the_height_of_a_cylinder_meets_i
     assert found.lowest.time == pytest.approx(HORIZON + 25.0, abs=0.5)
     missed, _ = met(glide(goal, [tower(x, y, here[2] - away)], criterion))
     assert (missed.closer, missed.unknown) == (0, None)
+
+
+class Bar(NamedTuple):
+    x: Annotated[float, Parameter("m", "Middle, x", -1e6, 1e6)]
+    y: Annotated[float, Parameter("m", "Middle, y", -1e6, 1e6)]
+    v: Annotated[float, Parameter("m/s", "Velocity, along x", -1e3, 1e3)] = 0.0
+    way: Annotated[float, Parameter("m", "Radius of its path", 0.0, 1e5)] = 0.0
+    turn: Annotated[float, Parameter("rad/s", "Rate on its path", 0.0, 1e3)] = 0.0
+    half: Annotated[float, Parameter("m", "Half of its length, along y", 0.0, 1e5)] = 12.0
+    radius: Annotated[float, Parameter("m", "Radius", 0.0, 1e5)] = 0.2
+
+
+@kernel
+def leaning(t: float, o: tuple[()], q: tuple[float, float], p: Bar) -> Body:
+    """Its centre is the nearest point of its axis, as that of a cylinder is."""
+    s, c = sincos(p.turn * t)
+    x, middle = p.x + p.v * t + p.way * c, p.y + p.way * s
+    y = middle + clip(q[1] - middle, -p.half, p.half)
+    d = norm2(q[0] - x, q[1] - y)
+    return Body(x, y, p.v, 0.0, p.radius, d - p.radius, (q[0] - x) / (d + 1e-12), (q[1] - y) / (d + 1e-12))
+
+
+@kernel
+def plain(t: float, o: tuple[()], q: tuple[float, float], p: Bar) -> Body:
+    """Its centre is its middle, and it extends much farther in one direction than in the other."""
+    s, c = sincos(p.turn * t)
+    shown = leaning(t, o, q, p)
+    return Body(p.x + p.v * t + p.way * c, p.y + p.way * s, p.v, 0.0, p.half, shown.gap, shown.nx, shown.ny)
+
+
+BODIES = {"leaning": (leaning, Reach(("radius",))), "plain": (plain, None)}
+MOTIONS: dict[str, tuple[Rate | None, dict[str, float]]] = {
+    "at rest": (None, {"x": 5.0}),
+    "towards it": (Rate(times=0.0), {"x": 12.0, "v": -0.2}),
+    "behind it, and slower": (Rate(times=0.0), {"x": -8.0, "v": 0.3}),
+    "turning": (Rate(("turn",)), {"x": 7.0, "way": 4.0, "turn": 0.3}),
+}
+"""Where the bar is relative to the vehicle at the last sample, by what the vehicle covers in a second."""
+END, EACH = 9.0, 0.02
+
+
+def among(entry: Obstacle, values: dict[str, float], criterion: str) -> Flights:
+    """The unicycle, which sees no obstacle, with a bar."""
+    known: Any = catalogue()
+    described = known.model_copy(update={"components": [*known.components, component_entry(entry, circle)]})
+    made = case1(scenario__horizon=END, scenario__goal={"x": 60.0, "y": 8.0}, scenario__step=EACH)
+    made["scenario"]["guidance"] = {"period": EACH}
+    made["scenario"]["vehicle"]["parameters"] = {"J": 0.5}  # stable with that step
+    made["stages"]["search"] = [{"method": "direct", "evaluations": 50}]
+    made["scenario"]["obstacles"].append({"component": "bar", "parameters": values})
+    made["scenario"]["faults"] = [{"component": "blackout", "parameters": {"at": 0.0, "duration": 1e4}}]
+    made["criterion"] = {"component": criterion, "threshold": 0.1}
+    if criterion == "separation":
+        made["criterion"]["from_centre"] = True
+    return Flights(
+        load_document(made), Installed(components() | {("obstacle", "bar"): entry}, described), compiled=False, lanes=1
+    )
+
+
+def last(flights: Flights) -> tuple[Points, Points]:
+    """Position and velocity of the nominal flight at twice the horizon."""
+    row, (steps, every) = flights.vector({}), flights.counts(EACH)
+    states = flights.loop.simulate(row[None, :], EACH, 2 * steps, every, traced=1).trace[0]
+    positions = Seen(flights, flights.loop.observe(states[-2:], row, EACH, 2 * steps - 1), row).positions[:, :2]
+    return positions[1], (positions[1] - positions[0]) / EACH
+
+
+@pytest.mark.parametrize(("body", "moves", "criterion"), [*product(BODIES, MOTIONS, CRITERIA)])
+def test_an_obstacle_of_ones_own_is_met_as_its_body_shows_it(body: str, moves: str, criterion: str) -> None:
+    """Its extent is not declared, or its centre depends on the place from which it is seen."""
+    (function, reach), (rate, by) = BODIES[body], MOTIONS[moves]
+    own = Obstacle("bar", "Bar", 2, Bar, function, reach=reach, rate=rate)
+    if rate is None:
+        object.__setattr__(own, "moving", False)  # it reads the time, at which it is where it was
+    here, velocity = last(among(own, {"x": 1e5, "y": 0.0}, criterion))
+    speed = float(np.linalg.norm(velocity))
+    values = {name: by[name] * speed for name in ("v", "way") if name in by} | {"turn": by.get("turn", 0.0)}
+    place = here + by["x"] * velocity
+    values |= {"x": float(place[0]) - 2.0 * END * values.get("v", 0.0), "y": float(place[1]) + 3.0}
+    flights = among(own, values, criterion)
+    found = beyond.met(flights, ["nominal"], flights.vector({})[None, :], [None], -1e3, lambda: False)
+    lowest, p = math.inf, Bar(**values)
+    for v, after in product(
+        (0.0 * velocity, velocity), np.arange(0.0, 2.0 * math.pi / p.turn if p.turn else 60.0, 1e-2)
+    ):
+        q = here + min(after, END) * v
+        shown = function(2.0 * END + after, (), (float(q[0]), float(q[1])), p)
+        lowest = min(lowest, shown.gap if criterion == "surface_separation" else math.dist(q, (shown.x, shown.y)))
+    assert found is not None
+    assert found.unknown is None
+    assert found.lowest is not None
+    assert found.lowest.obstacle == 1
+    assert lowest - 0.1 <= found.lowest.value <= lowest + 1e-6

@@ -130,8 +130,9 @@ class ComponentEntry(Entry):
     """Which end of a criterion is sought; one that is worse when low may decide."""
     of: Literal["", "obstacles", "goal", "flight"] = ""
     """What a criterion measures; one of the goal needs a goal with a position."""
-    measured_to: Literal["", "centre", "surface"] = ""
-    """The point of an obstacle to which a criterion measures distances; empty if it measures none."""
+    measured_to: Literal["", "centre", "surface", "none"] = ""
+    """The point of an obstacle to which a criterion measures distances; none if it measures none, empty if it is not
+    one of obstacles or does not state it."""
     reach: ReachEntry | None = None
     """The largest distance of a point inside an obstacle from its centre; None if the obstacle does not declare it."""
     rate: RateEntry | None = None

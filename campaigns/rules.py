@@ -244,7 +244,8 @@ RULES = (
     Rule(
         CheckCode.DISTANCES,
         "Distances",
-        "No distance to the centre of an obstacle hides a vehicle inside it, unless the campaign states that such a "
+        "A criterion of obstacles states to which point of them it measures. No distance to the centre of an obstacle "
+        "hides a vehicle inside it, and every obstacle declares its extent, unless the campaign states that such a "
         "distance is meant.",
     ),
     Rule(

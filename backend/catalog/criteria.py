@@ -25,7 +25,8 @@ def criteria(document: Mapping[str, Any], catalogue: Catalogue | None) -> list[C
     components = [str(part["component"]) for part in (document["criterion"], *document.get("objectives", []))]
     for name, component in zip(named(components), components, strict=True):
         entry = None if catalogue is None else catalogue.component("criterion", component)
-        ends = (entry.measured_to if entry else "") or EARLIER.get(component, "")
+        stated = entry.measured_to if entry else ""
+        ends = "" if stated == "none" else stated or EARLIER.get(component, "")
         found.append(_described(name, component, entry, ends))
     return found
 

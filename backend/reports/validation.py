@@ -156,8 +156,8 @@ def _beyond(record: Record, beyond: Beyond) -> str:
     """What flights that are simulated on meet after the horizon."""
     many = f"{numbers.count(beyond.closer)} of {numbers.count(beyond.flights)} flights come closer"
     measured = _measured(record)
-    far = measured and not beyond.lowest and not beyond.unknown
-    shown = [many, FAR] if far else [many]
+    far = [] if beyond.lowest or beyond.unknown else [FAR]
+    shown = [many, *(far if measured else [f"nothing is known beyond {beyond.times:g} times the horizon"])]
     fail, on = "fails" if beyond.cut_short == 1 else "fail", ", extrapolated from there" if measured else ""
     shown += [f"{numbers.count(beyond.cut_short)} {fail} after the horizon{on}"] if beyond.cut_short else []
     shown += [f"lowest: {_later(record, beyond.lowest)}"] if beyond.lowest else []

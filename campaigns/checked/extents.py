@@ -45,6 +45,17 @@ def within(campaign: Campaign, catalogue: Catalogue, known: Known) -> dict[str, 
     return found
 
 
+def unknown(campaign: Campaign, catalogue: Catalogue) -> list[tuple[int, str]]:
+    """The obstacles whose extent is not declared: number from 0, and title."""
+    found = []
+    for i, obstacle in enumerate(campaign.given_scenario.obstacles):
+        entry = catalogue.component("obstacle", obstacle.component)
+        # A catalogue stored by an earlier version may not know reaches.
+        if entry is not None and entry.reach is None and "reach" in entry.model_fields_set:
+            found.append((i, entry.title))
+    return found
+
+
 def largest(reach: ReachEntry, prefix: str, campaign: Campaign, known: Known) -> float:
     """The reach of an obstacle [m]; for an uncertain parameter, with the bound of larger magnitude."""
     return reach.times * math.hypot(*(_largest(f"{prefix}.{name}", campaign, known) for name in reach.of))

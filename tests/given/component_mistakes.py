@@ -126,6 +126,8 @@ DECLARED = [
          r"rate needs parameters 'goal\.x' and 'goal\.y': choose one of: position"),
     Slip("a rate that stops at no instant", "obstacle", 'per=("period",)', 'stops="stop"', "rate=",
          r"rate needs a derived constant 'stop': the obstacle derives none"),
+    Slip("a reach of a parameter that does not exist", "obstacle", 'Reach(("radius",))', 'Reach(("radios",))', "reach=",
+         r"reach needs a parameter 'radios': did you mean 'radius'\?"),
     Slip("an order of a parameter that does not exist", "obstacle", "component = Obstacle(\n",
          "from worker.engine.kernels.component import Order\n\ncomponent = Obstacle(\n"
          '    orders=(Order(("radios",), ("swing",), "raise swing"),),\n',
@@ -168,6 +170,8 @@ FLOWN = [
          r"outside its envelope at the start \(the speed exceeds 50 m/s\)"),
     Slip("an obstacle in place of a tuple", "obstacle", "return Body(x, y, 0.0,", "return (x, y, 0.0,", "return (x, y",
          r"body returns a tuple of 8, expected Body\(x, y, vx, "),
+    Slip("a reach that is too small", "obstacle", 'Reach(("radius",))', 'Reach(("radius",), 0.9)', "reach=",
+         r"reach is 0\.45 m with the nominal values, and a point of its surface is 0\.5 m from the centre"),
     Slip("a sight without a field", "fault", "0.0, 0.0, 0.0, 1.0)\n\n\ndef", "0.0, 0.0, 1.0)\n\n\ndef", "return Sight",
          r"Sight\(\.\.\.\) lacks visible"),
     Slip("switches that are not a list", "fault", "    return [p.at]", "    return p.at", "switches=switches",

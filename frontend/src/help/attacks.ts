@@ -32,7 +32,7 @@ export const ATTACKS: readonly Attack[] = [
     danger:
       'The horizon ends before the obstacle is near, the vehicle does not move, the avoidance makes no difference, or no uncertain parameter changes anything. Such a run is safe, and says nothing about the avoidance.',
     answer:
-      'Four checks: the closest approach is inside the horizon, and no flight comes closer when simulated on to twice of it, or until it fails, extrapolated along straight lines and followed around turns from there; the vehicle moves; the nominal case is simulated without seeing any obstacle and must come closer; the criterion varies over the evaluations.',
+      'Four checks: the closest approach is inside the horizon, and no flight comes closer when simulated on to twice of it, or until it fails, moved straight on past the shapes of the obstacles and followed around turns from there; the vehicle moves; the nominal case is simulated without seeing any obstacle and must come closer; the criterion varies over the evaluations.',
   },
   {
     id: 'aliased',

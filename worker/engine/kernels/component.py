@@ -225,7 +225,8 @@ class Obstacle:
     `moving`: whether it moves by itself, as one with states does, or one whose body reads the time. `rate`: how fast it
     turns then; nothing is cleared without it.
 
-    `reach`: the largest distance of a point inside it from the centre that `body` reports. `frame` as in `Avoider`.
+    `reach`: the largest distance of a point inside it from the centre that `body` reports there, 0 of a point; with a
+    criterion of distances to centres nothing is cleared without it. `frame` as in `Avoider`.
     `look`: how it is drawn; by default a ball of its parameter `radius`.
     """
 
@@ -253,10 +254,10 @@ class Obstacle:
 
 
 def _reads_time(body: sig.Shown) -> bool:
-    """Whether the code of a body uses its first argument."""
+    """Whether the code of a body uses its first argument, as far as this is known."""
     code = getattr(python(body), "__code__", None)
     if code is None or not code.co_argcount:
-        return False
+        return True  # what it does with arguments that have no names is unknown
     uses = (each.argval for each in dis.get_instructions(code))
     return any(code.co_varnames[0] in (use if isinstance(use, tuple) else (use,)) for use in uses)
 
@@ -320,7 +321,8 @@ class Criterion:
 
     `worse`: the end of the range that searches look for. A criterion that is worse when low may decide the verdict: its
     first parameter is `threshold`, its value must stay above it, and it has `excluded`.
-    `measured_to`: the point of an obstacle that distances are measured to; "" if the criterion uses no such distances.
+    `measured_to`: the point of an obstacle that distances are measured to; "none" if the criterion uses no such
+    distances. Of one of obstacles that does not state it, nothing is cleared.
     """
 
     name: str
@@ -334,7 +336,7 @@ class Criterion:
     worse: Literal["low", "high"] = "low"
     of: Literal["obstacles", "goal", "flight"] = "obstacles"
     over: Literal["refined", "searched", "steps", "crossing"] = "refined"
-    measured_to: Literal["", "centre", "surface"] = ""
+    measured_to: Literal["", "centre", "surface", "none"] = ""
     derived: Derived | None = None
     frame: Frame | None = None
     role: Literal["criterion"] = "criterion"

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-N_X = N_P = N_E = N_G = N_Y = N_K = LANES = 0
+N_X = N_P = N_E = N_G = N_Y = N_K = N_Q = N_U = LANES = 0
 X = A = B = C = P = G = Y0 = Y1 = Y2 = LOW = K = STATUS = WHEN = SIZE = 0
 FROM = RATE = LAST = HELD = SEEN = NEAR = LEFT = RIGHT = AT = PREVIOUS = STOP = STOPPED = 0
 SETTLES = SEARCHES = False
@@ -46,7 +46,7 @@ def _slot(*_: Any) -> Any:
 
 
 load_x = load_p = store_p = load_raw = load_g = load_y = store_x = store_g = store_y = advance = combine = _slot
-magnitude_x = magnitude_y = _slot
+magnitude_x = magnitude_y = load_q = advance_q = load_u = displaced = _slot
 extend = initial = initial_guidance = guide = closed_loop = settled = envelope = costs_of = _slot
 excluded = observation = store_k = stops = store_s = _slot
 
@@ -255,5 +255,28 @@ def observe(states, params, dt, first, seen):  # type: ignore[no-untyped-def]
         for k in range(N_X + N_G):
             b[k * LANES] = states[i, k]
         values = observation((first + i) * dt, load_x(b, 0, 0), load_g(b, N_X * LANES, 0), p)
+        for j, value in enumerate(values):
+            seen[i, j] = value
+
+
+def ahead(given, begin, rate, first, each, seen):  # type: ignore[no-untyped-def]
+    """The channels of a vehicle that is moved along a straight line while everything else stays as it is.
+
+    given: state (N_X,), place, velocity along the line, velocity that criteria see (N_Q,), inputs (N_U,), params
+    (N_P,); begin: the time at the place [s]; rate: 1, or 0 if time does not pass; first, each: the first instant after
+    that, and the interval [s]; out: seen (rows, N_Y).
+    """
+    b = np.zeros((N_X + 3 * N_Q + N_U + N_E) * LANES)
+    for k in range(given.shape[0]):
+        b[k * LANES] = given[k]
+    x = load_x(b, 0, 0)
+    place = load_q(b, N_X * LANES, 0)
+    move = load_q(b, (N_X + N_Q) * LANES, 0)
+    v = load_q(b, (N_X + 2 * N_Q) * LANES, 0)
+    u = load_u(b, (N_X + 3 * N_Q) * LANES, 0)
+    p = extend(load_raw(b, (N_X + 3 * N_Q + N_U) * LANES, 0))
+    for i in range(seen.shape[0]):
+        since = first + i * each
+        values = displaced(begin + rate * since, x, advance_q(place, since, move), v, u, p)
         for j, value in enumerate(values):
             seen[i, j] = value

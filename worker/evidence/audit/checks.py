@@ -70,10 +70,20 @@ def _encounter(run: Run) -> dict[str, bool]:
         shown["closest approach"] = all(at == "inside" for at in _closest(run)) and _over(run)
     if criterion.measured_to == "centre" and not campaign.criterion.from_centre:
         inside = extents.within(campaign, components, parameters(campaign, components))
-        shown |= {"distances": False} if inside else {}
+        shown |= {"distances": False} if inside or (run.wording >= limits.AFTER and _unmeasured(run)) else {}
+    if run.wording >= limits.AFTER and near(run) and criterion.measured_to not in ("centre", "surface", "none"):
+        shown |= {"distances": False}
     turning, step = rates.turning(campaign, components, parameters(campaign, components)), campaign.given_scenario.step
     shown |= {"sampling": False} if not all(each.rate * step <= limits.TURN for each in turning) else {}
     return shown
+
+
+def _unmeasured(run: Run) -> bool:
+    """Whether an obstacle does not declare how far it extends from its centre."""
+    entries = (
+        run.claims["components"].component("obstacle", o.component) for o in run.campaign.given_scenario.obstacles
+    )
+    return any(entry.reach is None for entry in entries)
 
 
 def near(run: Run) -> bool:

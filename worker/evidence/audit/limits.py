@@ -37,7 +37,8 @@ is beyond the bounds relative to what is not excluded; since which DIRECT's poss
 evaluation of its search, and a search that started at a worst case does not confirm it; since which the members of a
 method that share what they know are one in all its searches; since which the worst value of a violation that only
 independent calls show is that of a call; since which flights that fail after the horizon are counted, with what they
-meet before, and a nominal case that fails has no closest approach; since which failed evaluations alone are no
+meet before, a nominal case that fails has no closest approach, a criterion of obstacles states to what it measures, and
+obstacles declare their extent where that is their centre; since which failed evaluations alone are no
 violations to estimate from; since which a sample of which all were drawn did not end early."""
 HALVED = 14
 """The version since which FMUs are confirmed at half the communication step, and what repeats is not cleared by several

@@ -27,3 +27,5 @@ class Terms:
     """Whether it is a simulator of which single calls are confirmed at half its step, too."""
     obstacles: tuple[str, ...] = ()
     """The titles of a scenario's obstacles, in order."""
+    followed: bool = True
+    """Whether the closest approach is known beyond what is simulated; not that of a criterion without distances."""

@@ -36,6 +36,7 @@ def described(campaign: Campaign, catalogue: Catalogue, integrator: str) -> Term
         ),
         shows=(*near, "motion", "avoidance"),
         bars=tuple((code, reason) for code, reason in reasons.items() if reason),
+        followed=distances.followed(campaign, catalogue),
         obstacles=tuple(_title(catalogue, "obstacle", each.component) for each in campaign.given_scenario.obstacles),
     )
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from campaigns import Campaign, Catalogue
+from campaigns.catalogue import ComponentEntry
 from campaigns.checked import extents
 from campaigns.checked.check import parameters
 from campaigns.claims.say import limit, listed, number, say, symbol
@@ -18,28 +19,57 @@ def clause(campaign: Campaign, catalogue: Catalogue) -> Spans:
         return say("distances measured to the obstacles' surfaces", _less(campaign, catalogue))
     if measured_to != "centre":
         return ()
-    inside = _inside(campaign, catalogue)
-    more = say("; a vehicle inside ", listed(list(inside)), " may count as clear") if inside else ()
+    unknown = [f"obstacles.{i}" for i, _ in extents.unknown(campaign, catalogue)]
+    inside = sorted([*_inside(campaign, catalogue), *unknown], key=lambda path: int(path.partition(".")[2]))
+    more = say("; a vehicle inside ", listed(inside), " may count as clear") if inside else ()
     return say("distances measured to the obstacles' centres, not their surfaces", more)
 
 
 def overlooked(campaign: Campaign, catalogue: Catalogue) -> Spans:
-    """The sentence why distances to centres rule out "cleared"; empty if they do not.
+    """The sentence why distances rule out "cleared"; empty if they do not.
 
-    They do if the threshold is inside an obstacle, unless the campaign states that a centre distance is intended. New
-    campaigns of this kind are refused; campaigns queued or run before that rule still reach this check.
+    They do if the criterion does not state to which point of the obstacles it measures, and for distances to centres if
+    the threshold is inside an obstacle or the extent of one is unknown, unless the campaign states that a centre
+    distance is intended. New campaigns with a threshold inside one are refused; campaigns queued or run before that
+    rule still reach this check.
     """
     criterion = catalogue.component("criterion", campaign.criterion.component)
-    if criterion is None or criterion.measured_to != "centre" or campaign.criterion.from_centre:
+    if criterion is None or (criterion.measured_to != "centre" and not _unstated(criterion)):
+        return ()
+    if _unstated(criterion):
+        return say(
+            f"it is unknown to which point of the obstacles {criterion.title} measures: declare measured_to in its "
+            "component (centre, surface, or none if it measures no distance)"
+        )
+    if campaign.criterion.from_centre:
         return ()
     inside = _inside(campaign, catalogue)
     if not inside:
-        return ()
+        return say(*(_undeclared(*each) for each in extents.unknown(campaign, catalogue)[:1]))
     path = max(inside, key=lambda p: inside[p])
     return say(
         *(symbol(criterion.quantity), " is measured to the obstacles' centres, and the threshold of "),
         *(limit(campaign.criterion.threshold, "m", "threshold"), f" is inside {path}, whose surface extends to "),
         *(number(inside[path], "m", "reach"), " from its centre: a vehicle inside it would count as clear"),
+    )
+
+
+def followed(campaign: Campaign, catalogue: Catalogue) -> bool:
+    """Whether the criterion measures distances, which are known beyond what is simulated; a catalogue of an earlier
+    version does not state it."""
+    criterion = catalogue.component("criterion", campaign.criterion.component)
+    return criterion is None or (criterion.measured_to != "none" and not _unstated(criterion))
+
+
+def _unstated(criterion: ComponentEntry) -> bool:
+    stated = criterion.measured_to != "" or "measured_to" not in criterion.model_fields_set
+    return criterion.of == "obstacles" and not stated
+
+
+def _undeclared(number: int, title: str) -> str:
+    return (
+        f"the extent of obstacle {number + 1} ({title}) is unknown: declare its reach in its component, measure to the "
+        "surface, or state from_centre: true if distances to the centre are meant"
     )
 
 

@@ -92,10 +92,12 @@ def _closest(problem: Problem, evidence: Evidence) -> Condition | None:
     statement = say("the closest approach of ", listed([*map(case, closest)]), " is inside the horizon")
     if beyond is None:
         return True, statement
-    return True, say(
-        *(statement, ", and none of ", count(beyond.flights), " flights comes closer beyond it"),
-        say("; ", _fail(problem, beyond), ", extrapolated from there") if beyond.cut_short else "",
-    )
+    fail = say("; ", _fail(problem, beyond)) if beyond.cut_short else ()
+    statement = say(statement, ", and none of ", count(beyond.flights), " flights comes ")
+    if terms(problem.system).followed:
+        return True, say(statement, "closer beyond it", say(fail, ", extrapolated from there") if fail else "")
+    until = number(beyond.times * problem.campaign.given_scenario.horizon, "s", "until")
+    return True, say(statement, "lower when simulated on to ", until, fail, "; nothing is known beyond that")
 
 
 def _fail(problem: Problem, beyond: Beyond) -> Spans:

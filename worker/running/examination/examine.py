@@ -18,6 +18,15 @@ RATE = (
     "rate=Rate(...), how fast it turns"
 )
 
+REACH = (
+    "it declares no reach, so no run with it is cleared whose criterion measures to centres: write reach=Reach(...), "
+    "the largest distance of a point inside it from the centre that body reports"
+)
+MEASURED = (
+    "it does not declare to which point of the obstacles it measures, so no run with it is cleared: write "
+    'measured_to="centre" or "surface", or "none" if it measures no distance'
+)
+
 
 @dataclass(frozen=True)
 class Examined:
@@ -56,7 +65,7 @@ def _examined(file: Path, vehicles: Mapping[str, str], limit: float) -> Examined
     source = reading.read(file)
     reading.check(source)
     # What follows loads the compiler, which takes a second.
-    from worker.engine.kernels.component import Component, Obstacle
+    from worker.engine.kernels.component import Component, Criterion, Obstacle
     from worker.running.examination import purity
     from worker.running.examination.compiling import compile_each
     from worker.running.examination.declaring import declared_by
@@ -76,5 +85,9 @@ def _examined(file: Path, vehicles: Mapping[str, str], limit: float) -> Examined
     with limited(limit, file, "while simulating the nominal values"):
         calls = flown(component, source, own)
     compile_each(source, module, calls)
-    unknown = isinstance(component, Obstacle) and component.moving and component.rate is None
-    return Examined(component.role, component.name, component.title, bool(calls), note=RATE if unknown else "")
+    notes = []
+    if isinstance(component, Obstacle):
+        notes += [RATE] * (component.moving and component.rate is None) + [REACH] * (component.reach is None)
+    if isinstance(component, Criterion) and component.of == "obstacles" and not component.measured_to:
+        notes += [MEASURED]
+    return Examined(component.role, component.name, component.title, bool(calls), note="; ".join(notes))

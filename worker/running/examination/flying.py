@@ -14,15 +14,16 @@ from typing import Any
 import numpy as np
 
 from worker.engine.kernels.bind import rebuilt
-from worker.engine.kernels.component import Component, Controller
+from worker.engine.kernels.component import Component, Controller, Obstacle, declared
 from worker.engine.kernels.layout import Parts
 from worker.engine.kernels.text.names import UnnamedError
 from worker.engine.systems.closed_loop.assemble import Loop
 from worker.running.examination.blame import mistake
+from worker.running.examination.extents import check_reach
 from worker.running.examination.kernels import Slot, kernels
 from worker.running.examination.mistake import Mistake
 from worker.running.examination.reading import Source
-from worker.running.examination.scenes import Own, nominal, scenes
+from worker.running.examination.scenes import Own, nominal, scenes, usual
 
 STEP, STEPS = 0.01, 12
 """Step [s] and number of steps."""
@@ -40,6 +41,10 @@ def flown(component: Component, source: Source, own: Own) -> Calls:
         with np.errstate(all="ignore"):
             _fly(component, parts, source, calls)
     for slot in kernels(component):
+        if isinstance(component, Obstacle) and slot.field == "body" and _code(slot.function) in calls:
+            values = {p.name: usual(p, "obstacles.0") for p in declared(component.parameters)}
+            with contextlib.suppress(ArithmeticError):  # a body need not be known so far away
+                check_reach(component, calls[_code(slot.function)][0], values, source.line_of("reach"))
         if slot.field == "switches":
             _check_switches(component, slot, source)
     return calls

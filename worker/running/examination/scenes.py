@@ -14,6 +14,7 @@ from worker.engine.kernels.component import (
     Component,
     Controller,
     Criterion,
+    Declared,
     Environment,
     Fault,
     Obstacle,
@@ -73,14 +74,15 @@ def scenes(component: Component, own: Own) -> Iterator[Parts]:
 
 def nominal(parts: Parts, sections: tuple[Section, ...]) -> list[float]:
     """The flat vector of nominal values: the default of each parameter, or a usual one within its limits."""
-    usual = {"goal": 60.0, "criterion": 1e-3, "start": 0.0}
-    values: dict[str, float] = {}
-    for section in sections:
-        for p in section.parameters:
-            value = usual.get(section.prefix, 30.0) if p.default is None else p.default
-            values[f"{section.prefix}.{p.name}"] = float(min(max(value, p.low), p.high))
+    values = {f"{s.prefix}.{p.name}": usual(p, s.prefix) for s in sections for p in s.parameters}
     solved: Mapping[str, float] = values
     return [*values.values(), *(parts.vehicle.trim.solve(solved) if parts.vehicle.trim else ())]
+
+
+def usual(p: Declared, prefix: str) -> float:
+    """The default of a parameter, or a usual value within its limits for a component with this prefix."""
+    value = {"goal": 60.0, "criterion": 1e-3, "start": 0.0}.get(prefix, 30.0) if p.default is None else p.default
+    return float(min(max(value, p.low), p.high))
 
 
 def shipped(role: str, name: str) -> Any:

@@ -33,7 +33,7 @@ interface PreviewCardProps {
   live: LivePreview
 }
 
-const FROM = { '': '', centre: ' from centres', surface: ' from surfaces' }
+const FROM = { '': '', none: '', centre: ' from centres', surface: ' from surfaces' }
 
 export function PreviewCard({ campaign, catalogue, criterion, readable, ok, live }: PreviewCardProps) {
   const [holder, width] = useWidth(300)
@@ -55,7 +55,7 @@ export function PreviewCard({ campaign, catalogue, criterion, readable, ok, live
         <Legend>
           {flown && <Key colour="--c-nom">Nominal path</Key>}
           {bodies.some((body) => body.moving) && <Key colour="--c-obs" dash="5 3">{flown ? 'Path of the obstacle' : 'Intended path'}</Key>}
-          {reach > 0 && <Key colour="--c-crit" dash="3 2">Distance {plain(reach)} m{FROM[criterion?.measured_to ?? '']}</Key>}
+          {reach > 0 && <Key colour="--c-crit" dash="3 2">Distance {plain(reach)} m{FROM[criterion?.measured_to ?? 'none']}</Key>}
           {ranges > 0 && (
             <span>
               <i className={styles.swatch} aria-hidden /> Uncertain

@@ -35,7 +35,9 @@ export function EncounterCard({ data, encounter }: EncounterProps) {
       <dl className={lists.kv}>
         {unseen && <Closest name="nominal" approach={closest} />}
         {findings.map((each) => each.closest && <Closest key={each.label} name={each.label} approach={each.closest} />)}
-        {beyond && <Onward beyond={beyond} quantity={quantity} unit={run.unit} />}
+        {beyond && (
+          <Onward beyond={beyond} measures={!!run.criteria[0]?.measured_to} quantity={quantity} unit={run.unit} />
+        )}
         {unseen && (
           <>
             <dt>Path of the nominal case</dt>
@@ -96,7 +98,8 @@ interface Value {
   unit: string
 }
 
-function Onward({ beyond, ...value }: Value & { beyond: Beyond }) {
+/** measures: whether the criterion is one of distances, without which nothing is extrapolated. */
+function Onward({ beyond, measures, ...value }: Value & { beyond: Beyond; measures: boolean }) {
   const { closer, cut_short: failed, flights, lowest, unknown } = beyond
   return (
     <>
@@ -107,9 +110,13 @@ function Onward({ beyond, ...value }: Value & { beyond: Beyond }) {
         </span>
         {failed ? (
           <span className="mut">
-            ; {count(failed)} {failed === 1 ? 'fails' : 'fail'} after the horizon, extrapolated from there
+            ; {count(failed)} {failed === 1 ? 'fails' : 'fail'} after the horizon
+            {measures && ', extrapolated from there'}
           </span>
         ) : null}
+        {!measures && (
+          <span className="mut">; nothing is known beyond {plain(beyond.times)} times the horizon</span>
+        )}
         {lowest && <span className="mut">; lowest {at(lowest, value)}</span>}
         {unknown && <span className="unk-t">; not known how it moves on: {at(unknown, value)}</span>}
       </dd>

@@ -8,12 +8,13 @@ import { EncounterCard } from './EncounterCard'
 
 vi.mock('../../help/links', () => ({ HelpLink: () => null }))
 
-const shown = (changes: object) => {
+const shown = (changes: object, measured_to = 'centre') => {
   const encounter = {
     closest: { time: 7.5, at: 'inside', obstacle: 0 }, moved: 9, unseen: null,
     spread: { evaluations: 300, lowest: 0.8, highest: 1 }, influence: {}, ...changes,
   } as unknown as Encounter
-  const of = run()
+  const criterion = { name: 'd', component: 'd', title: 'D', quantity: 'd', unit: 'm', worse: 'low', measured_to }
+  const of = { ...run(), criteria: [criterion] }
   const data = { run: of, campaign: asCampaign(of.campaign), findings: [], stages: [], parameters: [] } as never
   return renderToStaticMarkup(<EncounterCard data={data} encounter={encounter} />)
     .replaceAll(/<[^>]*>/g, '')
@@ -30,6 +31,12 @@ it('states how many flights fail after the horizon, and when the lowest one does
   const none = shown({ beyond: { ...beyond, cut_short: 0, lowest: later } })
   expect(none).toContain('come closer')
   expect(none).not.toContain('fail')
+})
+
+it('states of a criterion without distances that nothing is known beyond what is simulated', () => {
+  const html = shown({ beyond: { ...beyond, lowest: null } }, '')
+  expect(html).toContain('; 301 fail after the horizon; nothing is known beyond 2 times the horizon')
+  expect(shown({ beyond: { ...beyond, lowest: null } })).not.toContain('nothing is known')
 })
 
 it('names the parameters along which evaluations have no value', () => {

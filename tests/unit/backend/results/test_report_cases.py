@@ -64,6 +64,15 @@ def test_flights_that_fail_after_the_horizon_are_counted() -> None:
     assert numbers({"cut_short": 0, "lowest": None}) == numbers({"cut_short": None, "lowest": None}) == ["1", "302"]
 
 
+def test_of_a_criterion_without_distances_nothing_is_known_beyond_what_is_simulated() -> None:
+    found = Beyond(times=2.0, flights=302, cut_short=301, closer=0, lowest=None)
+    for measured_to, known in (("", False), ("centre", True)):
+        record: Any = SimpleNamespace(run=SimpleNamespace(criteria=[SimpleNamespace(measured_to=measured_to)]))
+        text = validation._beyond(record, found)
+        assert ("nothing is known beyond 2 times the horizon" in text) is not known
+        assert ("extrapolated" in text) is known
+
+
 def test_a_change_along_a_slice_names_evaluations_without_a_value() -> None:
     no_value = {"a": [Status.FAILED, Status.EXCLUDED], "c": [Status.EXCLUDED]}
     text = list(encounter(influence={"a": 0.0, "b": 1.0}, no_value=no_value).values())[-1]

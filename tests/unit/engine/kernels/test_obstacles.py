@@ -35,11 +35,16 @@ def by_another_name(now: float, o: tuple[()], q: tuple[float, float], p: circle.
     return circle.body(later[0], o, q, p)
 
 
+@kernel
+def without_names(*arguments: Any) -> Any:
+    return shaken(*arguments)
+
+
 def made(**changes: Any) -> Obstacle:
     return replace(circle.component, **changes)
 
 
-@pytest.mark.parametrize("body", [shaken, handed_on, by_another_name])
+@pytest.mark.parametrize("body", [shaken, handed_on, by_another_name, without_names])
 def test_a_body_that_reads_the_time_moves(body: Callable[..., Any]) -> None:
     found = component_entry(made(body=body), circle)
     assert found.moving

@@ -201,6 +201,28 @@ def test_flights_that_fail_after_the_horizon_without_being_counted_clear_in_no_v
         )
 
 
+UNKNOWN = {"circle": ("reach", None), "separation": ("measured_to", "")}
+"""Components of the record, and what their files did not declare."""
+
+
+@every_version
+@pytest.mark.parametrize("component", UNKNOWN)
+def test_distances_of_which_it_is_not_known_what_they_show_clear_in_no_version(
+    component: str, versions: Sequence[int | None], tmp_path: Path
+) -> None:
+    """A vehicle inside an obstacle could count as clear, and no approach beyond the horizon was looked for."""
+    folder = Folder(written(tmp_path / "out", "cleared"))
+    field, value = UNKNOWN[component]
+    entry = next(c for c in folder.evidence["components"]["components"] if c["name"] == component)
+    assert entry[field] != value
+    entry[field] = value
+    folder.write()
+    for version, record in copies(tmp_path / "out", versions):
+        assert not follows(record, version), version
+        wrong = {item.name.removeprefix(EARLIER) for item in record.items() if not item.agrees}
+        assert "checks.distances" in wrong, version
+
+
 @every_version
 @pytest.mark.parametrize("name", ["cleared", "violated"])
 def test_what_the_rules_of_today_accept_follows_in_every_version(

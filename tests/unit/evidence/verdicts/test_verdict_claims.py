@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import pytest
@@ -33,6 +34,8 @@ from tests.given.verdict_evidence import (
     validation,
     violation,
 )
+from worker.evidence.scopes.terms import terms
+from worker.evidence.verdicts import encounter
 from worker.evidence.verdicts.conclude import conclude
 
 STOPPED = Stop(kind="budget", text="used its budget")
@@ -295,6 +298,19 @@ def test_flights_that_come_no_closer_beyond_the_horizon_are_counted() -> None:
         "the closest approach of nominal and F1 is inside the horizon, and none of 302 flights comes closer beyond it"
     )
     assert check_of("closest approach", conclusion).text == holds
+
+
+@pytest.mark.parametrize(("cut_short", "fail"), [(0, ""), (1, "; 1 of them fails after it, before 30 s")])
+def test_of_a_criterion_without_distances_nothing_is_stated_beyond_what_is_simulated(
+    cut_short: int, fail: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(encounter, "terms", lambda system: replace(terms(system), followed=False))
+    found = check_of("closest approach", concluded(**none_closer(cut_short)))
+    assert (found.ok, found.text) == (
+        True,
+        "the closest approach of nominal and F1 is inside the horizon, and none of 302 flights comes lower when "
+        f"simulated on to 30 s{fail}; nothing is known beyond that",
+    )
 
 
 ORBIT = {"centre": {"x": 40.0, "y": 40.0}, "way": 5.0, "phase": 0.0, "speed": 100.0, "radius": 0.1}

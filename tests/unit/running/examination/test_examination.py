@@ -148,3 +148,22 @@ def test_an_obstacle_that_moves_at_no_declared_rate_is_noted(
     monkeypatch.setattr(compiling, "compile_each", lambda *_: None)
     result = examine.examine(file, {})
     assert (result.text, result.note) == ("", examine.RATE if noted else "")
+
+
+@pytest.mark.parametrize(
+    ("kind", "without", "note"),
+    [("obstacle", "reach=", examine.REACH), ("criterion", "measured_to=", examine.MEASURED)],
+)
+def test_what_a_run_is_not_cleared_without_is_noted(
+    kind: str, without: str, note: str, folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    lines = (SKELETONS / f"{kind}.py").read_text(encoding="utf-8").splitlines(keepends=True)
+    assert any(line.strip().startswith(without) for line in lines)
+    monkeypatch.setattr(compiling, "compile_each", lambda *_: None)
+    for name, text in {
+        "whole": lines, "lacking": [s for s in lines if not s.strip().startswith(without)],
+    }.items():  # fmt: skip
+        file = folder / f"{name}.py"
+        file.write_text("".join(text), encoding="utf-8")
+        result = examine.examine(file, {})
+        assert (result.text, result.note) == ("", note if name == "lacking" else "")

@@ -150,6 +150,12 @@ def observation(s: Scenario) -> None:
     f.add(f"return {' + '.join([*shown, 'readings(t, q, v, xv, u, around, p)'])}")
 
 
+def displaced(s: Scenario) -> None:
+    f = s.function("displaced(t, x, q, v, u, p)")
+    f.add(f"around = bodies(t, {s.state['obstacles']}, q, p)")
+    f.add(f"return readings(t, q, v, {s.state['vehicle']}, u, around, p)")
+
+
 def judgement(s: Scenario) -> None:
     vehicle, n = s.parts.vehicle, s.states
     f = s.function("settled(x, p)")

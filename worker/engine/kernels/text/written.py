@@ -28,6 +28,7 @@ FUNCTIONS = {
     "surroundings": "The effect of the environment on the vehicle, and the derivative of the environment's state.",
     "actuated": "The inputs that reach the vehicle, and the derivative of the actuators' states.",
     "readings": "The channels of all criteria at one instant.",
+    "displaced": "The channels of all criteria with the vehicle at another place and velocity, all else unchanged.",
     "initial": "The initial state: vehicle, controller, actuators, environment, obstacles, in this order.",
     "closed_loop": "The derivative of the whole state, and the criteria's channels, at one instant.",
     "settled": "The state after a step, limited by the vehicle's mechanical stops.",
@@ -44,7 +45,8 @@ FUNCTIONS = {
 WRITERS = (
     *(loop.extend, perception.bodies, perception.measurements, perception.air_data),
     *(guidance.avoider_demand, guidance.avoider_demand_at, guidance.demand, guidance.guide, guidance.initial_guidance),
-    *(loop.surroundings, loop.actuated, loop.readings, loop.initial, loop.loop, loop.observation, loop.judgement),
+    *(loop.surroundings, loop.actuated, loop.readings, loop.initial, loop.loop, loop.observation, loop.displaced),
+    loop.judgement,
 )
 
 

@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import math
 from collections import OrderedDict
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from functools import cached_property
 from threading import Lock
 from typing import Any
@@ -84,6 +84,10 @@ class Loop:
     def _observe(self) -> Any:
         return self._made(loop.observe, ("extend", "observation"))
 
+    @cached_property
+    def _ahead(self) -> Any:
+        return self._made(loop.ahead, ("extend", "displaced"))
+
     @property
     def size_extended(self) -> int:
         """Length of the parameter vector with all derived constants."""
@@ -129,6 +133,20 @@ class Loop:
         seen = np.empty((len(states), len(self.signals)))
         with np.errstate(all="ignore"):
             self._observe(np.ascontiguousarray(states), np.ascontiguousarray(params), step, first, seen)
+        return seen
+
+    def ahead(
+        self, given: Sequence[Floats], begin: float, rate: float, first: float, each: float, count: int
+    ) -> Floats:
+        """The channels (count, ...) of a vehicle that is moved along a straight line, at equal intervals.
+
+        given: the loop's state, place [m], velocity along the line and velocity as criteria see it [m/s], inputs,
+        params; begin: the time at the place [s]; rate: 1, or 0 if time does not pass; first, each: the first instant
+        after that, and the interval [s].
+        """
+        seen = np.empty((count, self.channels.total))
+        with np.errstate(all="ignore"):
+            self._ahead(np.concatenate(given), begin, rate, first, each, seen)
         return seen
 
     def part(self, name: str) -> Function:
@@ -210,13 +228,13 @@ def _layout(made: Loop) -> dict[str, object]:
         "X": n_x, "A": n_x, "B": n_x, "C": n_x, "P": n_e, "G": n_g,
         "Y0": n_y, "Y1": n_y, "Y2": n_y, "LOW": n_y, "K": n_k, "STATUS": 1, "WHEN": 1,
     }  # fmt: skip
-    n_s = len(channels.stops)
+    n_q, n_u, n_s = made.parts.vehicle.dimension, len(made.parts.vehicle.inputs), len(channels.stops)
     searches = channels.searched > 0 or n_s > 0
     if searches:
         rows |= {"FROM": n_x, "RATE": n_x, "LAST": n_x, "HELD": n_g, "SEEN": n_y}
         rows |= dict.fromkeys(("NEAR", "LEFT", "RIGHT", "AT", "PREVIOUS"), 1) | {"STOP": n_s, "STOPPED": 1}
     slots: dict[str, object] = {"N_X": n_x, "N_P": n_p, "N_E": n_e, "N_G": n_g, "N_Y": n_y, "LANES": lanes}
-    slots |= {"REFINED": channels.refined, "SEARCHED": channels.refined + channels.searched}
+    slots |= {"N_Q": n_q, "N_U": n_u, "REFINED": channels.refined, "SEARCHED": channels.refined + channels.searched}
     slots |= {"STEPS": n_y - channels.crossing, "N_K": n_k, "N_S": n_s, "SEARCHES": searches}
     slots["SETTLES"] = made.parts.vehicle.settle is not None
     offset = 0
@@ -225,11 +243,12 @@ def _layout(made: Loop) -> dict[str, object]:
         offset += count
     slots["SIZE"] = offset * lanes
     ops: Callable[[int, int], LaneOps] = lane_ops if made.compiled else plain_ops
-    x, p, g, y = (ops(n, lanes) for n in (n_x, n_e, n_g, n_y))
+    x, p, g, y, q = (ops(n, lanes) for n in (n_x, n_e, n_g, n_y, n_q))
     return slots | {
         "load_x": x.load, "store_x": x.store, "advance": x.advance, "combine": x.combine,
         "load_p": p.load, "store_p": p.store, "load_raw": ops(n_p, lanes).load,
         "load_g": g.load, "store_g": g.store, "load_y": y.load, "store_y": y.store,
         "store_k": ops(n_k, lanes).store, "store_s": ops(n_s, lanes).store,
+        "load_q": q.load, "advance_q": q.advance, "load_u": ops(n_u, lanes).load,
         "magnitude_x": x.magnitude, "magnitude_y": y.magnitude,
     }  # fmt: skip

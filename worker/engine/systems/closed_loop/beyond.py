@@ -2,8 +2,8 @@
 
 An obstacle that is still approaching when the horizon ends may come closer than anything that was evaluated. What it
 does until twice the horizon is simulated, or until the simulation fails. After that the vehicle stops or goes straight
-on; obstacles that move on straight lines go on along them, and those that turn are followed (`onward`). Start reading
-at `met`.
+on (`ahead`); obstacles that move on straight lines go on along them, and those that turn are followed (`onward`). Start
+reading at `met`.
 """
 
 from __future__ import annotations
@@ -18,8 +18,9 @@ from campaigns.limits import CONTINUED
 from campaigns.results.validate import Beyond, Later
 from worker.engine.kernels import loop as closed_loop
 from worker.engine.systems.base import Floats, Stopping
+from worker.engine.systems.closed_loop.ahead import Ahead, Leg
 from worker.engine.systems.closed_loop.flights import Flights
-from worker.engine.systems.closed_loop.onward import Motion, Onward, leaves, motion
+from worker.engine.systems.closed_loop.onward import Motion, Onward, Path, leaves, motion
 from worker.engine.systems.closed_loop.trace import Seen
 
 MEMORY = 2**23
@@ -144,12 +145,13 @@ def _away(flights: Flights, row: Floats, trace: Floats, last: int, below: float)
     """Whether the samples after the horizon show that no obstacle came below a value: within a step, a distance to a
     centre falls by no more than the two move against each other."""
     steps = flights.counts(flights.step)[0]
-    if not flights.parts.criterion.measured_to:
+    if not _measures(flights):
         return last == steps
     seen = _seen(flights, row, trace, steps, last)
     between = seen.centres - seen.positions[:, None]
     moved = np.linalg.norm(np.diff(between, axis=0), axis=2).max(axis=0, initial=0.0)
-    extents = [_extent(flights, row, i, math.inf) for i in range(between.shape[1])]
+    ahead = Ahead(flights, row, trace[last], seen, last * flights.step)
+    extents = [math.inf if (known := ahead.extent(i)) is None else known for i in range(between.shape[1])]
     return bool((np.linalg.norm(between, axis=2).min(axis=0) - moved - extents >= below).all())
 
 
@@ -159,39 +161,43 @@ def _seen(flights: Flights, row: Floats, trace: Floats, first: int, last: int) -
 
 
 def _extrapolated(flights: Flights, row: Floats, trace: Floats, last: int, below: float) -> Iterator[Approach]:
-    """The closest approach to every obstacle whose distance is still falling at the last step, and to every one that
-    turns. The vehicle stops at once, or keeps its velocity for another horizon and then stops."""
-    if not flights.parts.criterion.measured_to:
+    """The closest approach to every obstacle that comes closer after the last step than it is there, and to every one
+    that turns. The vehicle stops at once, or keeps its velocity for another horizon and then stops."""
+    if not _measures(flights):
         return
     seen, time = _seen(flights, row, trace, last - 1, last), last * flights.step
     halfway = last - max(1, round(0.5 * flights.counts(flights.step)[0]))
     states = any(obstacle.states for obstacle in flights.parts.obstacles)
     before = _seen(flights, row, trace, halfway - 1, halfway) if states and halfway > 0 else seen
-    for i in range(len(flights.parts.obstacles)):
+    ahead = Ahead(flights, row, trace[last], seen, time)
+    for i, obstacle in enumerate(flights.parts.obstacles):
         closing = bool(seen.deciding[1, i] < seen.deciding[0, i])
         centres = np.concatenate([before.centres[:, i], seen.centres[:, i]])
         moves = motion(flights, row, i, time, centres, closing)
-        distance = float(np.linalg.norm(seen.centres[1, i] - seen.positions[1]))
-        end = _End(flights, seen, i, _extent(flights, row, i, distance - float(seen.deciding[1, i])), last)
+        end = _End(flights, seen, i, last, ahead)
         if moves.kind == "followed":
             yield from end.followed(Onward(flights, row, trace[last], time, i), moves, below)
             continue
-        straight = [*end.straight()] if closing else []
+        straight = [*end.straight(closing)] if closing or not obstacle.states else []
         yield from straight
         if moves.kind == "unknown":
-            here = Approach(distance - end.extent, i, end.since)
-            yield min([here, *straight], key=_value)._replace(known=False)
+            yield min([end.here, *straight], key=_value)._replace(known=False)
+
+
+def _measures(flights: Flights) -> bool:
+    """Whether the criterion is one of distances to obstacles; the first instant of something cannot come later."""
+    criterion = flights.parts.criterion
+    return criterion.measured_to in ("centre", "surface") and criterion.over != "crossing"
 
 
 class _End(NamedTuple):
-    """The last sample of a flight, and the obstacle of which the approaches follow. extent: what the criterion
-    subtracts from a distance to its centre [m]."""
+    """The last sample of a flight, and the obstacle of which the approaches follow."""
 
     flights: Flights
     seen: Seen
     obstacle: int
-    extent: float
     last: int
+    ahead: Ahead
 
     @property
     def since(self) -> float:
@@ -208,47 +214,57 @@ class _End(NamedTuple):
         moved: Floats = (self.seen.positions[1] - self.seen.positions[0]) / self.flights.step
         return moved
 
-    def straight(self) -> Iterator[Approach]:
-        """The approach of an obstacle that keeps its velocity."""
-        i, seen, own, horizon = self.obstacle, self.seen, self.own, self.horizon
-        away = seen.centres[1, i] - seen.positions[1]
-        velocity = (seen.centres[1, i] - seen.centres[0, i]) / self.flights.step
-        ahead = away + horizon * (velocity - own)
-        legs = ((0.0, away, velocity, math.inf), (0.0, away, velocity - own, horizon))
-        for begins, begin, speed, lasts in (*legs, (horizon, ahead, velocity, math.inf)):
-            nearest, after = _nearest(begin, speed, lasts)
-            yield Approach(nearest - self.extent, i, self.since + begins + after)
+    @property
+    def here(self) -> Approach:
+        """The criterion's value at the last sample."""
+        value = self.ahead.value(self.obstacle, float(self.seen.deciding[1, self.obstacle]))
+        return Approach(value, self.obstacle, self.since)
+
+    def legs(self, lasts: float) -> tuple[Leg, Leg, Leg]:
+        """Those of a vehicle that stops, and of one that goes on and then stops; lasts: how long they are followed."""
+        place, still = self.seen.positions[1], np.zeros(3)
+        going = Leg(0.0, min(self.horizon, lasts), place, self.own)
+        there = place + self.horizon * self.own
+        return Leg(0.0, lasts, place, still), going, Leg(self.horizon, max(0.0, lasts - self.horizon), there, still)
+
+    def straight(self, closing: bool) -> Iterator[Approach]:
+        """The approach of an obstacle at rest, of one that moves straight on, and of one with states as if it did."""
+        i, obstacle = self.obstacle, self.flights.parts.obstacles[self.obstacle]
+        if closing:
+            yield self.here
+        drift = (self.seen.centres[1, i] - self.seen.centres[0, i]) / self.flights.step if obstacle.states else None
+        stops, goes, ends = self.legs(math.inf)
+        yield from self._closer((stops, goes, ends) if obstacle.moving else (goes,), drift)
 
     def followed(self, onward: Onward, moves: Motion, below: float) -> Iterator[Approach]:
         """The approach of an obstacle whose path is known, for as long as it is."""
         path, here = onward.path(moves), self.seen.positions[1]
-        now, found = float(np.linalg.norm(path.centres[0] - here)), []
-        for own, lasts in ((np.zeros(3), 0.0), (self.own, self.horizon)):
-            nearest, after = onward.nearest(path, here, own, lasts, below + self.extent)
-            found.append(Approach(nearest - self.extent, self.obstacle, self.since + after))
-            if nearest < now:
-                yield found[-1]
+        extent = self.ahead.extent(self.obstacle)
+        if extent is None or self.ahead.leans(self.obstacle, here, here + self.horizon * self.own):
+            closer = [*self._closer(self.legs(float(path.times[-1])), None)]
+            found = [self.here, *closer]
+        else:
+            found = [*self._bounded(onward, path, below, extent)]
+            closer = [each for each in found if each.value < float(np.linalg.norm(path.centres[0] - here)) - extent]
+        yield from closer
         if not path.whole and not leaves(path, here):
             yield min(found, key=_value)._replace(known=False)
 
+    def _closer(self, legs: Sequence[Leg], drift: Floats | None) -> Iterator[Approach]:
+        """The approaches on some lines, as far as they are closer than the last sample."""
+        here = self.here
+        for leg in legs:
+            value, after = self.ahead.lowest(self.obstacle, leg, drift)
+            if math.isnan(value):
+                yield here._replace(known=False)
+            elif value < here.value:
+                yield Approach(value, self.obstacle, self.since + after)
 
-def _nearest(away: Floats, velocity: Floats, lasts: float) -> tuple[float, float]:
-    """The smallest distance on a straight line that is followed for a while, and its time [s]."""
-    square = float(velocity @ velocity)
-    time = min(max(-float(away @ velocity) / square, 0.0), lasts) if square > 0.0 else 0.0
-    return float(np.linalg.norm(away + time * velocity)), time
-
-
-def _extent(flights: Flights, row: Floats, i: int, here: float) -> float:
-    """What the criterion subtracts from the distance to a centre, at most [m]; here: at the last step."""
-    criterion, reach = flights.parts.criterion, flights.parts.obstacles[i].reach
-    if criterion.measured_to == "centre":
-        return 0.0
-    if reach is None:
-        return here
-    sizes = (row[flights.paths[f"obstacles.{i}.{name}"]] for name in reach.of)
-    body = flights.paths.get("criterion.body_radius")
-    return reach.times * math.hypot(*map(float, sizes)) + (0.0 if body is None else float(row[body]))
+    def _bounded(self, onward: Onward, path: Path, below: float, extent: float) -> Iterator[Approach]:
+        """The approaches by the distances to a centre, which have a bound within every interval of its path."""
+        for own, lasts in ((np.zeros(3), 0.0), (self.own, self.horizon)):
+            nearest, after = onward.nearest(path, self.seen.positions[1], own, lasts, below + extent)
+            yield Approach(nearest - extent, self.obstacle, self.since + after)
 
 
 def _later(flights: Flights, name: str, row: Floats, continued: Continued, approach: Approach) -> Later:

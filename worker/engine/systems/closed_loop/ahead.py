@@ -1,0 +1,169 @@
+"""The deciding criterion after the last sample of a flight, while the vehicle goes straight on or has stopped.
+
+The vehicle is moved along its line, and the obstacles' own bodies are asked at every place: a centre need not be fixed,
+as that of an upright cylinder is not, and an extent is not the same in all directions. Start reading at `Ahead.lowest`.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from worker.engine.systems.base import Floats
+from worker.engine.systems.closed_loop.flights import Flights
+from worker.engine.systems.closed_loop.trace import Seen
+
+LEAST, MOST = 64, 20_000
+"""So many intervals a line has at least, and at most; in between, a horizon has as many as it has steps."""
+PLACES, PIECES = 4, 64
+"""Intervals that may hold the minimum, and the parts into which they are divided again and again."""
+FINEST = 1e-10
+"""Of a line: parts are not divided further."""
+SAME = 1e-9
+"""Two numbers are the same that differ by this fraction at most."""
+DOUBLINGS = 60
+"""A line without an end is followed to this power of two horizons at most."""
+
+
+class Leg(NamedTuple):
+    """A line that the vehicle follows. begins: after the last sample [s]; lasts [s], which may be infinite."""
+
+    begins: float
+    lasts: float
+    place: Floats
+    velocity: Floats
+
+
+class _Line(NamedTuple):
+    """A line past obstacles that move by time alone, from a time after the last sample on [s], or past one that is held
+    where it is there (None). move: velocity along the line; speed: that of the vehicle, as criteria see it."""
+
+    begins: float | None
+    place: Floats
+    move: Floats
+    speed: Floats
+
+
+class Ahead:
+    """One flight after its last sample: parameters, state, and what is seen there."""
+
+    def __init__(self, flights: Flights, row: Floats, state: Floats, seen: Seen, time: float) -> None:
+        self._flights, self._loop, self._row, self._time = flights, flights.loop, row, time
+        self._state, self._axes = state[: flights.loop.n_state], flights.parts.vehicle.dimension
+        self._inputs = seen.commands[-1, : len(flights.parts.vehicle.inputs)]
+        self._first = flights.loop.channels.of["criterion"][0]
+        self._p, self._now = flights.loop.extend(row), seen.channels[-1]
+        self._place = seen.positions[-1]
+        self._sampled: dict[tuple[float | None, ...], Floats] = {}
+
+    def lowest(self, obstacle: int, leg: Leg, drift: Floats | None = None) -> tuple[float, float]:
+        """The criterion's lowest value for one obstacle on a line, and its time after the last sample [s].
+
+        drift: the velocity of an obstacle with states, which it keeps from the last sample on; None for one whose
+        motion depends on time alone, which is followed.
+        """
+        line = _Line(leg.begins, leg.place, leg.velocity, leg.velocity)
+        if drift is not None:
+            line = _Line(None, leg.place - leg.begins * drift, leg.velocity - drift, leg.velocity)
+        lasts = self._until(obstacle, line) if math.isinf(leg.lasts) else leg.lasts
+        count = min(max(LEAST, round(lasts / self._flights.step)), MOST) if lasts > 0.0 else 0
+        each = lasts / max(count, 1)
+        channel = self._coarse(line, each, count)[:, self._first + obstacle]
+        low, time = self._finer(obstacle, line, each, channel)
+        return self.value(obstacle, low), leg.begins + time
+
+    def value(self, obstacle: int, channel: float) -> float:
+        """The criterion's value if one obstacle's channel is that low, and no other is."""
+        every, cost = np.full(self._loop.channels.total, np.inf), self._loop.part("cost")
+        every[self._first + obstacle] = channel
+        value = float(cost(tuple(map(float, every)), self._p))
+        if not math.isnan(value):
+            return value
+        every = self._now.copy()  # of a criterion without a value where all others are infinite
+        every[self._first + obstacle] = channel
+        return float(cost(tuple(map(float, every)), self._p))
+
+    def extent(self, obstacle: int) -> float | None:
+        """What the criterion subtracts from the distance to an obstacle's centre, at most [m]; None if unknown."""
+        parts, body = self._flights.parts, self._body(obstacle, self._place)
+        surface, reach = parts.criterion.measured_to == "surface", parts.obstacles[obstacle].reach
+        away = math.dist(_centre(body, self._axes), self._place[: self._axes])
+        less = self._parameter("criterion.body_radius") if surface else 0.0
+        distance = (body.gap if surface else away) - less
+        here = self.value(obstacle, float(self._now[self._first + obstacle]))
+        if not abs(here - distance) <= SAME * (1.0 + abs(distance)):
+            return None  # a criterion of its own
+        if not surface:
+            return 0.0
+        if reach is None:
+            return None
+        return reach.times * math.hypot(*(self._parameter(f"obstacles.{obstacle}.{name}") for name in reach.of)) + less
+
+    def leans(self, obstacle: int, begin: Floats, end: Floats) -> bool:
+        """Whether an obstacle's centre depends on the place from which it is seen on a line."""
+        centres = [_centre(self._body(obstacle, begin + k * (end - begin)), self._axes) for k in (0.0, 0.3, 0.7, 1.0)]
+        return any(math.dist(centre, centres[0]) > SAME * (1.0 + math.hypot(*centre)) for centre in centres)
+
+    def _body(self, obstacle: int, place: Floats) -> Any:
+        """An obstacle at the last sample, as seen from a place."""
+        states = self._loop.states
+        o = tuple(map(float, self._state[states.total - states.obstacles :]))
+        return self._loop.part("bodies")(self._time, o, tuple(map(float, place[: self._axes])), self._p)[obstacle]
+
+    def _parameter(self, path: str) -> float:
+        at = self._flights.paths.get(path)
+        return 0.0 if at is None else float(self._row[at])
+
+    def _along(self, line: _Line, first: float, each: float, count: int) -> Floats:
+        """The channels at a number of instants."""
+        vectors = (vector[: self._axes] for vector in (line.place, line.move, line.speed))
+        given = (self._state, *vectors, self._inputs, self._row)
+        passes = line.begins is not None
+        return self._loop.ahead(given, self._time + (line.begins or 0.0), float(passes), first, each, count)
+
+    def _coarse(self, line: _Line, each: float, count: int) -> Floats:
+        """The channels at equal intervals; those of a line that several obstacles share once."""
+        key = line.begins, each, count, *line.place, *line.move
+        if key not in self._sampled:
+            self._sampled[key] = self._along(line, 0.0, each, count + 1)
+        return self._sampled[key]
+
+    def _until(self, obstacle: int, line: _Line) -> float:
+        """How long a line without an end must be followed: until the channel rises, or no longer falls."""
+        lasts = self._flights.campaign.given_scenario.horizon
+        for _ in range(DOUBLINGS):
+            half, end = self._along(line, 0.5 * lasts, 0.5 * lasts, 2)[:, self._first + obstacle]
+            if not end < half:
+                break
+            lasts *= 2.0
+        return lasts
+
+    def _finer(self, obstacle: int, line: _Line, each: float, channel: Floats) -> tuple[float, float]:
+        """The minimum of a channel, searched between its samples unless the criterion reads it at the steps alone."""
+        k = int(np.argmin(channel))
+        best = float(channel[k]), k * each
+        if len(channel) < 2 or self._flights.parts.criterion.over == "steps":
+            return best
+        for begin in (int(i) * each for i in np.argsort(_least(channel), kind="stable")[:PLACES]):
+            width = each
+            while width > FINEST * each * len(channel):
+                part = width / PIECES
+                inside = self._along(line, begin, part, PIECES + 1)[:, self._first + obstacle]
+                at = int(np.argmin(inside))
+                best = min(best, (float(inside[at]), begin + at * part))
+                begin, width = begin + min(max(at - 1, 0), PIECES - 2) * part, 2.0 * part
+        return best
+
+
+def _centre(body: Any, axes: int) -> tuple[float, ...]:
+    return (body.x, body.y, body.z) if axes == 3 else (body.x, body.y)
+
+
+def _least(channel: Floats) -> Floats:
+    """What a channel may fall to within each interval if it changes no faster than between the neighbours."""
+    change = np.pad(np.abs(np.diff(channel)), 1, mode="edge")
+    fastest = np.maximum(np.maximum(change[:-2], change[1:-1]), change[2:])
+    least: Floats = 0.5 * (channel[:-1] + channel[1:] - fastest)
+    return least

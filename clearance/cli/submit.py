@@ -14,7 +14,7 @@ import typer
 
 from clearance.cli import WrongInputError
 from clearance.cli import _launch as launch
-from clearance.cli._following import AsJson, Out, follow_to_the_end
+from clearance.cli._following import AsJson, Out, follow_to_the_end, refuse_out
 from clearance.cli._service import PATIENCE, SERVICE, Patience, Service, Token, opened
 
 
@@ -67,7 +67,8 @@ def submit(
     from clearance.cli._campaign import found
     from clearance.cli._ended import Source
     from clearance.cli._out import writable
-    from clearance.cli._sweep import parsed
+    from clearance.cli._saved import refuse_to_replace
+    from clearance.cli._sweep import TABLE, parsed
     from clearance.cli._sweep import sweep as launched
     from clearance.local.interrupt import terminated
 
@@ -79,6 +80,10 @@ def submit(
     if sweep:
         parsed(sweep)  # before anything is sent
     path = found(file)
+    if sweep:
+        refuse_to_replace(out, (TABLE,), path)
+    else:
+        refuse_out(out, summary, path)
     text = read_text(path)
     campaign = load_text(text, str(file))
     document = campaign.document()

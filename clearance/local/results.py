@@ -31,6 +31,7 @@ from campaigns.stored.digest import Rows, evidence_digest
 from campaigns.stored.records import Columns, StagePlan, StageRecord, Trace
 from campaigns.unreadable import UNREADABLE
 from campaigns.versions import Versions, short
+from clearance.local import RESULT as RESULT
 from worker.engine.problem.problem import Problem
 from worker.engine.systems.base import in_own_sign
 from worker.engine.systems.simulators.declared.folder import FILE
@@ -39,7 +40,7 @@ from worker.running.opening import opened
 from worker.running.runs.continuation import CannotContinue
 from worker.running.runs.store import MemoryStore
 
-ARRAYS, TABLE, RESULT = "evaluations.npz", "evaluations.csv", "result.json"
+ARRAYS, TABLE = "evaluations.npz", "evaluations.csv"
 OF_EVERY_RUN = ("campaign.json", TABLE, ARRAYS, "evidence.json")
 """The files that every run has, besides result.json."""
 

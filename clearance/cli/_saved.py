@@ -32,6 +32,11 @@ def others_files(folder: Path, names: Iterable[str]) -> list[str]:
         return [name for name in there if not _saved(folder / name, lines)]
 
 
+def same_file(file: Path, source: Path | None) -> bool:
+    """Whether a file is there and is the campaign file, if one was given."""
+    return source is not None and file.exists() and source.exists() and file.samefile(source)
+
+
 def refuse_to_replace(out: Path | None, names: Iterable[str], source: Path | None = None) -> None:
     """Raises `WrongInputError` if a file of these names in the folder is the user's, or the folder has results of
     `clearance run`. source: the campaign file."""
@@ -44,15 +49,15 @@ def refuse_to_replace(out: Path | None, names: Iterable[str], source: Path | Non
             "of a service; give another folder",
             RefusalCode.EXISTS,
         )
-    if source is not None and any((out / name).exists() and (out / name).samefile(source) for name in names):
+    if any(same_file(out / name, source) for name in names):
         raise WrongInputError(
             f"--out {out}: the campaign file {source} is in it, and would be replaced; give another folder",
             RefusalCode.EXISTS,
         )
     if others := others_files(out, names):
         raise WrongInputError(
-            f"--out {out}: {', '.join(others)} in it would be replaced, and was not saved there by such a command or was "
-            "changed since; give another folder, or delete what may be replaced",
+            f"--out {out}: {', '.join(others)} in it would be replaced, and was not saved there by such a command, or "
+            "was changed since; give another folder, or delete what may be replaced",
             RefusalCode.EXISTS,
         )
 

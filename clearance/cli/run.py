@@ -48,7 +48,7 @@ def run(
         Path | None,
         typer.Option(
             help="Folder for the results: result.json, evaluations.csv, traces. Those of an earlier run of the same "
-            "campaign are removed when the run begins; a folder with other results is refused.",
+            "campaign are removed when the run begins; a folder with other results or files of these names is refused.",
             file_okay=False,
         ),
     ] = None,
@@ -96,7 +96,7 @@ def run(
     else:
         assert file is not None
         campaign = code.read(file, allow_code)
-        refuse_other_results(out, campaign)
+        refuse_other_results(out, campaign, file)
         if options.baseline:
             from clearance.cli._baseline import compared
 
@@ -106,6 +106,7 @@ def run(
                     RefusalCode.OPTIONS,
                 )
             campaign, note = compared(campaign, options.baseline, data, database)
+            refuse_other_results(out, campaign, file)  # its campaign.json states the baseline
         announced = _announcing(execute, data, database, quiet=as_json)
         try:
             campaign, store, verdict = _fresh(file, campaign, announced, sample_seed)

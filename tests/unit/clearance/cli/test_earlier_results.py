@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from campaigns.refusals import RefusalCode
-from clearance.cli import INCONCLUSIVE, INTERNAL, INTERRUPTED, WRONG_INPUT, invoke
+from clearance.cli import INCONCLUSIVE, INTERNAL, INTERRUPTED, WRONG_INPUT, _saved, invoke
 from tests.given.case_campaigns import searching
 from tests.given.refused_commands import refused
 from worker.engine.systems.base import CampaignUnusable
@@ -128,6 +128,80 @@ def test_the_campaign_among_the_results_may_be_run(here: Path, monkeypatch: pyte
     fails(monkeypatch, RuntimeError("a bug"))
     assert invoke(["run", "out/campaign.json", "--out", "out"]) == INTERNAL
     assert files() == {"campaign.json": campaign, **dict.fromkeys(OWN, b"own")}
+
+
+def test_the_campaign_that_a_failed_run_left_may_be_run_again(
+    here: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Its text is that which is written; with a baseline it is another one."""
+    with monkeypatch.context() as broken:
+        fails(broken, RuntimeError("a bug"))
+        assert invoke(["run", "out/campaign.json", "--out", "out"]) == INTERNAL
+    campaign = files()["campaign.json"]
+    invoke(["run", "campaign.json", "--out", "before"])
+    assert refused(capsys, "run", "out/campaign.json", "--baseline", "before", "--out", "out") == RefusalCode.EXISTS
+    assert files() == {"campaign.json": campaign, **dict.fromkeys(OWN, b"own")}
+    assert invoke(["run", "out/campaign.json", "--out", "out"]) == INCONCLUSIVE
+    assert files()["campaign.json"] == campaign
+
+
+REPLACED = ("evaluations.csv", "evaluations.npz", "evidence.json", "campaign.json", "trace-F1.csv", "trace-nominal.csv")
+
+
+@pytest.mark.parametrize("name", [*REPLACED, "capsule-F12.zip"])
+@pytest.mark.parametrize("kind", ["file", "folder", "link"])
+def test_files_that_no_run_wrote_are_refused(
+    here: Path, name: str, kind: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Of a run and of an extension, before anything is simulated."""
+    own = Path("own", name)
+    own.parent.mkdir()
+    {"file": lambda: own.write_bytes(b"own"), "folder": own.mkdir, "link": lambda: own.symlink_to("nowhere")}[kind]()
+    extension = ("--continue", "out", "--budget", "+20")
+    fails(monkeypatch, AssertionError("it was simulated"))
+    for arguments in (("campaign.json",), extension):
+        assert refused(capsys, "run", *arguments, "--out", "own") == RefusalCode.EXISTS
+    assert [path.name for path in Path("own").iterdir()] == [name]
+    assert kind != "file" or own.read_bytes() == b"own"
+
+
+@pytest.mark.parametrize("link", ["symlink_to", "hardlink_to"])
+def test_a_campaign_is_not_replaced_by_its_own_results(
+    here: Path, link: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """By whatever name it is given."""
+    getattr(Path("mine.json"), link)("campaign.json")
+    before = Path("campaign.json").read_bytes()
+    for name in ("campaign.json", "mine.json"):
+        assert refused(capsys, "run", name, "--out", ".") == RefusalCode.EXISTS
+    assert Path("campaign.json").read_bytes() == before
+
+
+def test_a_run_deletes_only_what_runs_write(here: Path) -> None:
+    """Neither the first one in a folder nor a later one."""
+    own = ("trace-mine.csv", "trace-F1-mine.csv", "capsule-Flight.zip", "trace-F.csv", "simulator.yaml")
+    Path("own").mkdir()
+    for name in own:
+        Path("own", name).write_bytes(b"own")
+    for _ in range(2):
+        assert invoke(["run", "campaign.json", "--out", "own"]) == INCONCLUSIVE
+        assert {name: files("own")[name] for name in own} == dict.fromkeys(own, b"own")
+
+
+def test_what_was_saved_from_a_service_is_replaced_until_it_is_changed(
+    here: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def download(folder: Path) -> None:
+        folder.mkdir()
+        (folder / "evaluations.csv").write_bytes(b"of a service")
+
+    for folder in (Path("saved"), Path("changed")):
+        folder.mkdir()
+        _saved.save(folder, download)
+    Path("changed", "evaluations.csv").write_bytes(b"own")
+    assert refused(capsys, "run", "campaign.json", "--out", "changed") == RefusalCode.EXISTS
+    assert files("changed")["evaluations.csv"] == b"own"
+    assert invoke(["run", "campaign.json", "--out", "saved"]) == INCONCLUSIVE
 
 
 def test_another_baseline_is_no_other_campaign(here: Path, capsys: pytest.CaptureFixture[str]) -> None:

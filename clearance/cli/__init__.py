@@ -59,7 +59,7 @@ def on_disk(sentence: str) -> Iterator[None]:
     try:
         yield
     except OSError as error:
-        raise WrongInputError(f"{sentence}: {error.strerror}") from None
+        raise WrongInputError(f"{sentence}: {error.strerror or error}") from None
 
 
 class UnreachableError(Exception):

@@ -120,15 +120,8 @@ def run(
     likely = likelihoods(campaign, store, verdict.unit)
     result = summary(campaign, store, verdict, likely) | ({"continues": cites} if cites else {}) | code.stated(campaign)
     result |= ({"labels": options.labels} if options.labels else {}) | ({"baseline": note} if note else {})
-    if out is not None:
-        from clearance.cli._capsule import write_capsules
-        from clearance.local.results import write_results
-
-        def others(folder: Path) -> None:
-            write_capsules(folder, campaign, store, code.program_of(campaign))
-            code.write_description(folder, campaign)
-
-        result["evidence_digest"] = write_results(out, campaign, store, result, others=others)
+    lost = None if out is None else _saved(out, campaign, store, result)
+    out = None if lost else out
     if as_json:
         typer.echo(json.dumps(result, indent=2, allow_nan=False))
     else:
@@ -136,8 +129,32 @@ def run(
 
         print_report(campaign, store, verdict, out, cites, note, likely)
     ended = _ended(campaign, store, verdict, out, options, note, file, likely)
-    options.write(ended)
+    try:
+        options.write(ended)
+    except WrongInputError as error:
+        raise WrongInputError("; ".join(str(one) for one in (lost, error) if one)) from None
+    if lost:
+        raise lost
     raise typer.Exit(ended.code)
+
+
+def _saved(out: Path, campaign: Campaign, store: MemoryStore, result: dict[str, object]) -> WrongInputError | None:
+    """Write the results, and add their evidence digest; returns why that is not possible, which does not take the
+    verdict from the user."""
+    from clearance.cli._capsule import write_capsules
+    from clearance.local.results import write_results
+
+    def others(folder: Path) -> None:
+        write_capsules(folder, campaign, store, code.program_of(campaign))
+        code.write_description(folder, campaign)
+
+    try:
+        result["evidence_digest"] = write_results(out, campaign, store, result, others=others)
+    except OSError as error:
+        return WrongInputError(
+            f"--out {out} cannot be written, so the results are not stored: {error.strerror or error}"
+        )
+    return None
 
 
 def _ended(

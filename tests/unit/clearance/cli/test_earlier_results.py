@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import errno
 import json
+import os
 import shutil
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -14,6 +17,7 @@ from tests.given.case_campaigns import searching
 from tests.given.refused_commands import refused
 from worker.engine.systems.base import CampaignUnusable
 from worker.engine.systems.simulators.cluster.address import EvaluatorLost
+from worker.running.runs.runner import execute
 
 SHORT = {"scenario__horizon": 1.0}
 """[s]; too short for a sample or a second method to matter: inconclusive."""
@@ -202,6 +206,50 @@ def test_what_was_saved_from_a_service_is_replaced_until_it_is_changed(
     assert refused(capsys, "run", "campaign.json", "--out", "changed") == RefusalCode.EXISTS
     assert files("changed")["evaluations.csv"] == b"own"
     assert invoke(["run", "campaign.json", "--out", "saved"]) == INCONCLUSIVE
+
+
+def _full(monkeypatch: pytest.MonkeyPatch, where: str) -> None:
+    def full(*_: object, **__: object) -> None:
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+    monkeypatch.setattr(where, full)
+
+
+def _deleted(monkeypatch: pytest.MonkeyPatch, folder: str) -> None:
+    def deleting(*arguments: Any, **named: Any) -> Any:
+        verdict = execute(*arguments, **named)
+        shutil.rmtree(folder)
+        return verdict
+
+    monkeypatch.setattr("worker.running.runs.runner.execute", deleting)
+
+
+BROKEN = {
+    "full, a table": (_full, "clearance.local.results._write_evaluations"),
+    "full, arrays": (_full, "clearance.local.results._write_bits"),
+    "full, a capsule": (_full, "clearance.cli._capsule.write_capsules"),
+    "deleted": (_deleted, "new"),
+}
+
+
+@pytest.mark.parametrize("as_json", [False, True])
+@pytest.mark.parametrize("broken", BROKEN)
+def test_a_verdict_whose_results_cannot_be_written_is_printed(
+    here: Path, broken: str, as_json: bool, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """The files of a job have it; the exit code is not that of a verdict, and no file of the results is left."""
+    happens, where = BROKEN[broken]
+    happens(monkeypatch, where)
+    options = ("--json",) if as_json else ()
+    assert invoke(["run", "campaign.json", "--out", "new", "--junit", "junit.xml", *options]) == WRONG_INPUT
+    out, err = capsys.readouterr()
+    assert "--out new cannot be written" in err
+    assert "Traceback" not in err
+    assert "Results in" not in out
+    verdict = json.loads(out)["verdict"] if as_json else out
+    assert "inconclusive" in verdict.lower()
+    assert "clearance replay" not in Path("junit.xml").read_text(), "nothing is stored that could be replayed"
+    assert not Path("new").exists() or files("new") == {}
 
 
 def test_another_baseline_is_no_other_campaign(here: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -101,11 +101,13 @@ def refuse_out(out: Path | None, summary: Path | None, source: Path | None = Non
 
 def _cancelled(service: Client, run: str) -> str:
     """Cancel the run, before the CI service kills this command; returns what has happened."""
-    from clearance.client import ClearanceError
+    from clearance.client import ClearanceError, UnreachableError
 
-    service.session.patience = min(service.session.patience, GRACE)
+    service.session.patience = min(service.session.patience or GRACE, GRACE)
     try:
         service.cancel(run)
+    except UnreachableError as error:
+        return f"whether {run} was cancelled is not known: {error}"
     except ClearanceError as error:
         return f"{run} could not be cancelled: {error}"
     return f"{run} was cancelled, because this command was ended"

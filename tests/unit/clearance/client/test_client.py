@@ -380,6 +380,18 @@ def test_a_name_cannot_leave_the_path_of_the_request() -> None:
     assert seen[0].url.raw_path == b"/api/v1/runs/..%2Ftokens%3Fx%3D%23"
 
 
+def test_downloads_of_one_file_at_the_same_time_do_not_mix(tmp_path: Path) -> None:
+    """Nor do they touch a file of the user next to it."""
+    (tmp_path / "run.json.part").write_bytes(b"own")
+    file = tmp_path / "run.json"
+    with drivers.written(file) as first, drivers.written(file) as second:
+        first.write(b"first" * 9)
+        second.write(b"second")
+    assert file.read_bytes() == b"first" * 9
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["run.json", "run.json.part"]
+    assert (tmp_path / "run.json.part").read_bytes() == b"own"
+
+
 def test_an_incomplete_download_leaves_no_file(tmp_path: Path, clock: Clock) -> None:
     class Broken(httpx.SyncByteStream):
         def __iter__(self) -> Iterator[bytes]:

@@ -17,7 +17,7 @@ import typer
 from campaigns.runs import RunState
 from clearance.cli import WrongInputError, on_disk, refusing
 from clearance.cli._ended import Case, EndedRun, Source, changes, read, sureness
-from clearance.cli._saved import refuse_to_replace
+from clearance.cli._saved import LIST, refuse_to_replace
 from clearance.cli._saved import save as save_into
 
 if TYPE_CHECKING:
@@ -91,6 +91,11 @@ def save(service: Client, run: str, out: Path, names: tuple[str, ...]) -> list[P
     """Download files of a run into a folder; `WrongInputError` if it cannot be written or a name is impossible."""
     with refusing(ValueError):
         return [out / file.name for file in save_into(out, partial(service.export, run, files=names))]
+
+
+def saves(name: str) -> bool:
+    """Whether a file of this name may be saved in `--out`."""
+    return name in (*FILES, PICTURE, LIST)
 
 
 def refuse_out(out: Path | None, summary: Path | None, source: Path | None = None) -> None:

@@ -80,7 +80,9 @@ def run(
 
     _check_options(file, onward, budget, bool(label) or baseline is not None or sample_seed is not None)
     writable(out)
-    options = launch.Launch.read(label, baseline, junit, markdown, sarif)
+    from clearance.local.results import saves
+
+    options = launch.Launch.read(label, baseline, junit, markdown, sarif, out, saves)
     evaluators.use(evaluator)
     replaced = None if same_folder(out, onward) else out  # what is extended stays until its extension is written
     begun = partial(remove_earlier_results, replaced, file)

@@ -91,6 +91,11 @@ def _of_some(folder: Path) -> list[Path]:
     return [*(file for file in folder.iterdir() if _OF_SOME.fullmatch(file.name)), *described]
 
 
+def saves(name: str) -> bool:
+    """Whether a run may write a file of this name into its folder."""
+    return name in (*OF_EVERY_RUN, RESULT, FILE) or _OF_SOME.fullmatch(name) is not None
+
+
 def of_others(folder: Path, campaign: Campaign | None = None) -> list[str]:
     """Names of files in a folder without result.json that a run may replace. campaign: one that is to be run; a
     campaign.json that has just its text is left out."""

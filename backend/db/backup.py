@@ -57,8 +57,8 @@ def backup(url: str, file: Path) -> int:
     if file.exists():
         raise BackupError(f"{file} exists; give the name of a new file")
     part = file.with_name(f".{file.name}.part")
-    part.unlink(missing_ok=True)
     try:
+        _remove(part)
         create_private(part)
         if url.startswith("sqlite"):
             _copy_sqlite(_file_of(url), part)
@@ -70,7 +70,7 @@ def backup(url: str, file: Path) -> int:
     except OSError as error:
         raise BackupError(f"the backup could not be written to {file}: {error.strerror}") from None
     finally:
-        part.unlink(missing_ok=True)
+        _remove(part)
     return file.stat().st_size
 
 
@@ -104,7 +104,7 @@ def restore(url: str, file: Path) -> Restored:
     fresh = target.with_name(f".{target.name}.restored")
     try:
         with _unused(target):
-            fresh.unlink(missing_ok=True)
+            _remove(fresh)
             create_private(fresh)
             _copy_sqlite(file, fresh)  # with what its own -wal has, if it is no backup but a former database
             found = _prepared(sa.create_engine(f"sqlite:///{fresh}"))
@@ -116,7 +116,7 @@ def restore(url: str, file: Path) -> Restored:
     except OSError as error:
         raise BackupError(f"the database {target} could not be replaced: {error.strerror}") from None
     finally:
-        fresh.unlink(missing_ok=True)
+        _remove(fresh)
     return found._replace(former=former)
 
 
@@ -141,6 +141,12 @@ def _prepared(engine: sa.Engine) -> Restored:
             return Restored(names.get("tokens", []), names.get("users", []))
     finally:
         engine.dispose()
+
+
+def _remove(copy: Path) -> None:
+    """Remove a copy, and what SQLite writes next to it: a copy that is made later must not find it."""
+    for ending in _ENDINGS:
+        copy.with_name(copy.name + ending).unlink(missing_ok=True)
 
 
 def _copy_sqlite(source: Path, part: Path) -> None:

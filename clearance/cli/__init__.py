@@ -20,6 +20,7 @@ from typing import Any
 
 import sqlalchemy as sa
 import typer
+from pydantic_core import SchemaError
 from typer.core import TyperCommand, TyperGroup
 
 from backend.db.engine import NewerSchemaError
@@ -59,7 +60,7 @@ def on_disk(sentence: str) -> Iterator[None]:
     try:
         yield
     except OSError as error:
-        raise WrongInputError(f"{sentence}: {error.strerror}") from None
+        raise WrongInputError(f"{sentence}: {error.strerror or error}") from None
 
 
 class UnreachableError(Exception):
@@ -136,9 +137,12 @@ def main(arguments: Sequence[str] | None = None) -> None:
     """Run the command line and exit; without arguments those of this process, in a child of it."""
     if arguments is not None:
         sys.exit(_written(arguments))
-    process_arguments = sys.argv[1:]
-    witness = None if process_arguments[:1] in ENDLESS else _witness.witnessed(INTERNAL)
-    code = _written(process_arguments)
+    process_arguments, witness = sys.argv[1:], None
+    try:
+        witness = None if process_arguments[:1] in ENDLESS else _witness.witnessed(INTERNAL)
+        code = _written(process_arguments)
+    except KeyboardInterrupt:  # before the command, or after it
+        code = INTERRUPTED
     if witness is not None:
         witness.report(code)
     sys.exit(code)
@@ -182,10 +186,18 @@ def invoke(arguments: Sequence[str]) -> int:
         if sentence:
             typer.echo(f"Error: a component failed: {sentence}", err=True)
             return WRONG_INPUT
+        if _of_an_interrupt(error):
+            typer.echo("interrupted", err=True)
+            return INTERRUPTED
         traceback.print_exc()
         typer.echo(NOT_A_RESULT, err=True)
         return INTERNAL
     return code if isinstance(code, int) else 0
+
+
+def load() -> None:
+    """Load the modules of all commands."""
+    _command()
 
 
 def build() -> typer.Typer:
@@ -221,6 +233,12 @@ def _group() -> None:
 def _of_the_database(error: sa.exc.OperationalError) -> str:
     why = " ".join(str(error.orig).split())
     return f"{error} ({why})" if isinstance(error, DatabaseOutage) else f"the database cannot be used: {why}"
+
+
+def _of_an_interrupt(error: BaseException) -> bool:
+    """Whether a library raised the error in place of an interrupt, as pydantic does while a module is loaded."""
+    stated = isinstance(error, SchemaError) and KeyboardInterrupt.__name__ in f"{error}"
+    return stated or isinstance(error.__cause__, KeyboardInterrupt)
 
 
 def _of_a_component(error: BaseException) -> str:

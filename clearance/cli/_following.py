@@ -8,14 +8,17 @@ import shlex
 import sys
 from collections.abc import Sequence
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from campaigns.runs import RunState
-from clearance.cli import WrongInputError
+from clearance.cli import WrongInputError, on_disk, refusing
 from clearance.cli._ended import Case, EndedRun, Source, changes, read, sureness
+from clearance.cli._saved import LIST, refuse_to_replace
+from clearance.cli._saved import save as save_into
 
 if TYPE_CHECKING:
     from datetime import datetime
@@ -26,7 +29,15 @@ if TYPE_CHECKING:
 
 FILES = ("campaign.yaml", "run.json", "evaluations.csv", "findings.csv", "report.html")
 """Files of a run that are saved."""
-Out = Annotated[Path | None, typer.Option(help=f"Folder for the run's files: {', '.join(FILES)}.", file_okay=False)]
+PICTURE = "worst-case.svg"
+"""The picture of the worst case, where the summary is that of a step of GitHub."""
+Out = Annotated[
+    Path | None,
+    typer.Option(
+        help=f"Folder for the run's files: {', '.join(FILES)}. They replace only what such a command saved there.",
+        file_okay=False,
+    ),
+]
 CONTINUES = "{run} continues in the background; `clearance follow {run}` follows it again"
 GRACE = 5.0
 """How long to try to cancel a run when this command is ended [s]."""
@@ -77,22 +88,31 @@ def follow_to_the_end(
 
 
 def save(service: Client, run: str, out: Path, names: tuple[str, ...]) -> list[Path]:
-    """Download files of a run into a folder; `WrongInputError` if one cannot be written or has an impossible name."""
-    try:
-        return service.export(run, out, names)
-    except ValueError as error:
-        raise WrongInputError(str(error)) from None
-    except OSError as error:
-        raise WrongInputError(f"{error.filename or out} cannot be written: {error.strerror}") from None
+    """Download files of a run into a folder; `WrongInputError` if it cannot be written or a name is impossible."""
+    with refusing(ValueError):
+        return [out / file.name for file in save_into(out, partial(service.export, run, files=names))]
+
+
+def saves(name: str) -> bool:
+    """Whether a file of this name may be saved in `--out`."""
+    return name in (*FILES, PICTURE, LIST)
+
+
+def refuse_out(out: Path | None, summary: Path | None, source: Path | None = None) -> None:
+    """Raises `WrongInputError` if a file that is to be saved in `out` would replace another one. source: the campaign
+    file."""
+    refuse_to_replace(out, (*FILES, PICTURE) if _pictured_apart(summary) else FILES, source)
 
 
 def _cancelled(service: Client, run: str) -> str:
     """Cancel the run, before the CI service kills this command; returns what has happened."""
-    from clearance.client import ClearanceError
+    from clearance.client import ClearanceError, UnreachableError
 
-    service.session.patience = min(service.session.patience, GRACE)
+    service.session.patience = min(service.session.patience or GRACE, GRACE)
     try:
         service.cancel(run)
+    except UnreachableError as error:
+        return f"whether {run} was cancelled is not known: {error}"
     except ClearanceError as error:
         return f"{run} could not be cancelled: {error}"
     return f"{run} was cancelled, because this command was ended"
@@ -191,20 +211,23 @@ def _picture(service: Client, run: str, summary: Path, out: Path | None) -> str:
     """
     from clearance.client import RefusedError
 
-    there = os.environ.get(_GITHUB)
-    apart = bool(there) and Path(there or "").resolve() == summary.resolve()
-    if apart and out is None:
-        return ""
-    folder = out if apart and out is not None else summary.parent
-    name = "worst-case.svg" if apart else f"{summary.stem}-{run}.svg"
+    apart, name = _pictured_apart(summary), f"{summary.stem}-{run}.svg"
     try:
-        service.picture(run, folder / name)
+        if not apart:
+            with on_disk(f"{summary.parent / name} cannot be written"):
+                service.picture(run, summary.parent / name)
+        elif out is not None:
+            save_into(out, lambda folder: service.picture(run, folder / PICTURE))
     except RefusedError as error:
         typer.echo(f"No picture in the summary: {error}", err=True)
         return ""
-    except OSError as error:
-        raise WrongInputError(f"{folder / name} cannot be written: {error.strerror}") from None
     return "" if apart else name
+
+
+def _pictured_apart(summary: Path | None) -> bool:
+    """Whether the picture of the worst case cannot be next to the summary."""
+    there = os.environ.get(_GITHUB)
+    return summary is not None and bool(there) and Path(there or "").resolve() == summary.resolve()
 
 
 def _shown(service: Client, run: str, quiet: bool) -> RunDetail:

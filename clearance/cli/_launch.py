@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, NamedTuple, TypeAlias
 
 import typer
 
 from campaigns.sample_seed import LARGEST
-from clearance.cli import WrongInputError, on_disk, refusing
+from clearance.cli import JOB_FILES, WrongInputError, on_disk, refusing
 
 if TYPE_CHECKING:
     from clearance.cli._ended import EndedRun
@@ -32,6 +32,15 @@ Baseline: TypeAlias = Annotated[
 ]  # fmt: skip
 
 
+Saved: TypeAlias = Callable[[str], bool]
+"""Whether a command saves a file of this name in the folder of `--out`."""
+
+
+def never(name: str) -> bool:
+    """Of a command that saves no files."""
+    return False
+
+
 def _sample_seed(cleared: str) -> Any:
     """The option of a stated seed; cleared: what is cleared with one."""
     return typer.Option(
@@ -51,16 +60,17 @@ DrawnSampleSeed: TypeAlias = Annotated[
 """Of `clearance submit`."""
 
 
-def _begun(option: str, mark: str) -> Callable[[Path | None], Path | None]:
+def _begun(option: str, mark: str) -> Callable[[typer.Context, Path | None], Path | None]:
     """What makes the file of a job state that there is no verdict, before the other options are read.
 
     Whatever ends the command then, no file of an earlier build is taken for its result. A file with other content, such
     as a campaign that was given as FILE by mistake, is refused: one that is replaced is empty or contains `mark`.
     """
 
-    def begun(file: Path | None) -> Path | None:
+    def begun(ctx: typer.Context, file: Path | None) -> Path | None:
         if file is None:
             return None
+        _refuse_same({name: ctx.params.get(name) for name in JOB_FILES} | {option: file})
         from campaigns.runs import RunState
         from clearance.cli import _junit, _sarif
         from clearance.cli._ended import EndedRun
@@ -138,16 +148,37 @@ class Launch(NamedTuple):
         junit: Path | None,
         summary: Path | None,
         sarif: Path | None = None,
+        out: Path | None = None,
+        saved: Saved = never,
     ) -> Launch:
-        """The options as given; raises `WrongInputError` for a bad label or a file that cannot be written."""
+        """The options as given; raises `WrongInputError` for a bad label or a file that cannot be written.
+
+        saved: whether a file of this name may be saved in `out`.
+        """
         from campaigns.labels import parsed
 
         with refusing(ValueError):
             labels = parsed(label or ())
         if baseline is not None and not baseline.strip():  # an unset variable of a CI job would compare with nothing
             raise WrongInputError("--baseline is empty: give a run (R-0001) or label:KEY=VALUE, or leave it out")
+        _refuse_same({"junit": junit, "sarif": sarif, "summary": summary}, out, saved)
         _writable(summary)
         return Launch(labels, (baseline or "").strip(), junit, summary, sarif)
+
+
+def _refuse_same(files: Mapping[str, Path | None], out: Path | None = None, saved: Saved = never) -> None:
+    """Raises `WrongInputError` for files of a job that would replace one another, or a file that is saved in `out`.
+    files: by their options; devices such as /dev/stdout may be shared."""
+    named: dict[Path, str] = {}
+    for option, file in files.items():
+        if file is None or (file.exists() and not file.is_file()):
+            continue
+        path = file.resolve()
+        if path in named:
+            raise WrongInputError(f"--{named[path]} and --{option} are one file, {file}: give two names")
+        if out is not None and path.parent == out.resolve() and saved(path.name):
+            raise WrongInputError(f"--{option} {file}: --out {out} saves a file of this name: give another one")
+        named[path] = option
 
 
 def _writable(file: Path | None) -> None:

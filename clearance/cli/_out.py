@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import json
+import os
 import re
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from campaigns.refusals import RefusalCode
 from clearance.cli import WrongInputError, on_disk
+from clearance.cli._saved import others_files, same_file
+from clearance.local import RESULT
 
 if TYPE_CHECKING:
     from campaigns import Campaign
@@ -25,15 +28,18 @@ def writable(out: Path | None) -> None:
         probe.unlink()
 
 
-def refuse_other_results(out: Path | None, campaign: Campaign) -> None:
-    """Raises `WrongInputError` if the folder has results of another campaign, or a result.json that no run wrote.
+def refuse_other_results(out: Path | None, campaign: Campaign, source: Path | None = None) -> None:
+    """Raises `WrongInputError` if the folder has results of another campaign, or files that no run wrote and that this
+    one would replace. source: the campaign file.
 
     The baseline is no part of the campaign here: it is that of one launch.
     """
     from campaigns.versions import short
-    from clearance.local.results import RESULT
 
-    if out is None or not (out / RESULT).exists():
+    if out is None:
+        return
+    if not os.path.lexists(out / RESULT):
+        _refuse_others_files(out, campaign, source)
         return
     stated = _digest(out / RESULT)
     if not stated:
@@ -47,6 +53,26 @@ def refuse_other_results(out: Path | None, campaign: Campaign) -> None:
             f"--out {out}: the folder has the results of another campaign (digest {short(stated)}; that of this one is "
             f"{short(campaign.digest)}), which would be replaced; give another folder, or delete it",
             RefusalCode.OTHER_CAMPAIGN,
+        )
+
+
+def _refuse_others_files(out: Path, campaign: Campaign, source: Path | None) -> None:
+    """In a folder without results. What `clearance export` saved there may be replaced."""
+    from clearance.cli._code import program_of
+    from clearance.local.results import OF_EVERY_RUN, of_others
+    from worker.engine.systems.simulators.declared.folder import FILE
+
+    with on_disk(f"the folder {out} cannot be read"):
+        names = of_others(out, campaign)
+        own = set(others_files(out, names)) | {name for name in names if name not in OF_EVERY_RUN}
+        own |= {name for name in names if same_file(out / name, source)}
+        if program_of(campaign) is not None and os.path.lexists(out / FILE):
+            own.add(FILE)
+    if own:
+        raise WrongInputError(
+            f"--out {out}: {', '.join(sorted(own))} in it would be replaced, and no {RESULT} shows that an earlier run "
+            "wrote that; give another folder, or delete what may be replaced",
+            RefusalCode.EXISTS,
         )
 
 

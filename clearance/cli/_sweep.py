@@ -14,6 +14,7 @@ from campaigns.claims.numbers import Format, signed, written
 from campaigns.claims.stages.sample import STATED_SEED
 from campaigns.runs import RunState
 from clearance.cli import CODES, INTERNAL, INTERRUPTED, WrongInputError
+from clearance.cli._saved import save
 
 if TYPE_CHECKING:
     from clearance.client import Client
@@ -67,7 +68,7 @@ def sweep(
         raise
     typer.echo(json.dumps(found.document, indent=2) if as_json else "\n".join(_line(found, p) for p in found.points))
     if out is not None:
-        service.export_sweep(found.id, out / TABLE)
+        save(out, lambda folder: service.export_sweep(found.id, folder / TABLE))
         typer.echo(f"{TABLE} in {out}", err=True)
     return _code(found)
 

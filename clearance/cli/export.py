@@ -7,6 +7,7 @@ from typing import Annotated
 
 import typer
 
+from clearance.cli import refusing
 from clearance.cli._following import FILES, save
 from clearance.cli._service import PATIENCE, SERVICE, Patience, Service, Token, numbered, opened
 
@@ -28,15 +29,22 @@ def export(
 ) -> None:  # fmt: skip
     """Save files of a run of a service: by default its campaign, result, evaluations, findings and report."""
     from clearance.cli._out import writable
+    from clearance.cli._saved import refuse_to_replace
+    from clearance.client import calls
 
     numbered(run)
     folder = Path(run) if out is None else out
+    names = tuple(dict.fromkeys(file or FILES))
+    with refusing(ValueError):
+        for name in names:
+            calls.file(run, name)
     if folder.exists() and not list_:  # else it is made with the first file that the service sends
         writable(folder)
+        refuse_to_replace(folder, names)
     with opened(service, token_file, patience) as client:
         if list_:
             lines = [f"{one.file:28} {one.unavailable or one.title}" for one in client.exports(run)]
             typer.echo("\n".join(["campaign.yaml                Campaign", *lines]))
             return
-        for path in save(client, run, folder, tuple(dict.fromkeys(file or FILES))):
+        for path in save(client, run, folder, names):
             typer.echo(str(path))

@@ -7,7 +7,7 @@ from typing import Annotated
 import typer
 
 from clearance.cli import _launch as launch
-from clearance.cli._following import AsJson, Out, follow_to_the_end
+from clearance.cli._following import AsJson, Out, follow_to_the_end, refuse_out, saves
 from clearance.cli._service import PATIENCE, SERVICE, Patience, Service, Token, numbered, opened
 
 
@@ -27,6 +27,7 @@ def follow(
 
     numbered(run)
     writable(out)
-    options = launch.Launch.read(None, None, junit, summary, sarif)
+    options = launch.Launch.read(None, None, junit, summary, sarif, out, saves)
+    refuse_out(out, summary)
     with opened(service, token_file, patience) as client:
         raise typer.Exit(follow_to_the_end(client, client.run(run).id, out, as_json, options))

@@ -48,7 +48,7 @@ def run(
         Path | None,
         typer.Option(
             help="Folder for the results: result.json, evaluations.csv, traces. Those of an earlier run of the same "
-            "campaign are removed when the run begins; a folder with other results is refused.",
+            "campaign are removed when the run begins; a folder with other results or files of these names is refused.",
             file_okay=False,
         ),
     ] = None,
@@ -80,7 +80,9 @@ def run(
 
     _check_options(file, onward, budget, bool(label) or baseline is not None or sample_seed is not None)
     writable(out)
-    options = launch.Launch.read(label, baseline, junit, markdown, sarif)
+    from clearance.local.results import saves
+
+    options = launch.Launch.read(label, baseline, junit, markdown, sarif, out, saves)
     evaluators.use(evaluator)
     replaced = None if same_folder(out, onward) else out  # what is extended stays until its extension is written
     begun = partial(remove_earlier_results, replaced, file)
@@ -96,7 +98,7 @@ def run(
     else:
         assert file is not None
         campaign = code.read(file, allow_code)
-        refuse_other_results(out, campaign)
+        refuse_other_results(out, campaign, file)
         if options.baseline:
             from clearance.cli._baseline import compared
 
@@ -106,6 +108,7 @@ def run(
                     RefusalCode.OPTIONS,
                 )
             campaign, note = compared(campaign, options.baseline, data, database)
+            refuse_other_results(out, campaign, file)  # its campaign.json states the baseline
         announced = _announcing(execute, data, database, quiet=as_json)
         try:
             campaign, store, verdict = _fresh(file, campaign, announced, sample_seed)
@@ -119,15 +122,8 @@ def run(
     likely = likelihoods(campaign, store, verdict.unit)
     result = summary(campaign, store, verdict, likely) | ({"continues": cites} if cites else {}) | code.stated(campaign)
     result |= ({"labels": options.labels} if options.labels else {}) | ({"baseline": note} if note else {})
-    if out is not None:
-        from clearance.cli._capsule import write_capsules
-        from clearance.local.results import write_results
-
-        def others(folder: Path) -> None:
-            write_capsules(folder, campaign, store, code.program_of(campaign))
-            code.write_description(folder, campaign)
-
-        result["evidence_digest"] = write_results(out, campaign, store, result, others=others)
+    lost = None if out is None else _saved(out, campaign, store, result)
+    out = None if lost else out
     if as_json:
         typer.echo(json.dumps(result, indent=2, allow_nan=False))
     else:
@@ -135,8 +131,32 @@ def run(
 
         print_report(campaign, store, verdict, out, cites, note, likely)
     ended = _ended(campaign, store, verdict, out, options, note, file, likely)
-    options.write(ended)
+    try:
+        options.write(ended)
+    except WrongInputError as error:
+        raise WrongInputError("; ".join(str(one) for one in (lost, error) if one)) from None
+    if lost:
+        raise lost
     raise typer.Exit(ended.code)
+
+
+def _saved(out: Path, campaign: Campaign, store: MemoryStore, result: dict[str, object]) -> WrongInputError | None:
+    """Write the results, and add their evidence digest; returns why that is not possible, which does not take the
+    verdict from the user."""
+    from clearance.cli._capsule import write_capsules
+    from clearance.local.results import write_results
+
+    def others(folder: Path) -> None:
+        write_capsules(folder, campaign, store, code.program_of(campaign))
+        code.write_description(folder, campaign)
+
+    try:
+        result["evidence_digest"] = write_results(out, campaign, store, result, others=others)
+    except OSError as error:
+        return WrongInputError(
+            f"--out {out} cannot be written, so the results are not stored: {error.strerror or error}"
+        )
+    return None
 
 
 def _ended(

@@ -14,7 +14,7 @@ import typer
 
 from clearance.cli import WrongInputError
 from clearance.cli import _launch as launch
-from clearance.cli._following import AsJson, Out, follow_to_the_end
+from clearance.cli._following import AsJson, Out, follow_to_the_end, refuse_out, saves
 from clearance.cli._service import PATIENCE, SERVICE, Patience, Service, Token, opened
 
 
@@ -67,11 +67,12 @@ def submit(
     from clearance.cli._campaign import found
     from clearance.cli._ended import Source
     from clearance.cli._out import writable
-    from clearance.cli._sweep import parsed
+    from clearance.cli._saved import refuse_to_replace
+    from clearance.cli._sweep import TABLE, parsed
     from clearance.cli._sweep import sweep as launched
     from clearance.local.interrupt import terminated
 
-    options = launch.Launch.read(label, baseline, junit, summary, sarif)
+    options = launch.Launch.read(label, baseline, junit, summary, sarif, out, saves)
     _check_options(options, sweep, wait, reuse or sample_seed is not None, cancel_on_exit, group)
     if not (wait or sweep) and (as_json or out is not None):
         raise WrongInputError("--json and --out need the end of the run: leave --no-wait out")
@@ -79,6 +80,10 @@ def submit(
     if sweep:
         parsed(sweep)  # before anything is sent
     path = found(file)
+    if sweep:
+        refuse_to_replace(out, (TABLE,), path)
+    else:
+        refuse_out(out, summary, path)
     text = read_text(path)
     campaign = load_text(text, str(file))
     document = campaign.document()

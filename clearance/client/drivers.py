@@ -7,6 +7,7 @@ without an event loop.
 
 from __future__ import annotations
 
+import secrets
 import time
 from collections.abc import AsyncGenerator, AsyncIterator, Coroutine, Iterator, Mapping
 from contextlib import contextmanager
@@ -51,9 +52,9 @@ def settings(address: str, token: str, how: Mapping[str, Any]) -> dict[str, Any]
 @contextmanager
 def written(file: Path) -> Iterator[BinaryIO]:
     """A file that exists under its name only once it is complete; its folder is made if there is none."""
-    part = file.with_name(f"{file.name}.part")
+    part = file.with_name(f".{file.name}.{secrets.token_hex(4)}.part")
     part.parent.mkdir(parents=True, exist_ok=True)
-    with part.open("wb") as out:
+    with part.open("xb") as out:
         try:
             yield out
             out.close()

@@ -9,6 +9,7 @@ from __future__ import annotations
 import functools
 import inspect
 import json
+import math
 from collections.abc import AsyncGenerator, Callable, Coroutine, Iterable
 from contextlib import aclosing
 from dataclasses import replace
@@ -63,7 +64,8 @@ async def _repeated(session: Session, call: Call[Any], file: Path | None) -> Rep
     """The last answer, after as many as are not final."""
     until, tries, broken = session.clock() + session.patience, 0, 0
     while True:
-        reply = await session.send(call, file)
+        left = until - session.clock() if session.patience else math.inf
+        reply = await session.send(call, file, left)
         broken += reply.status == 500
         if not reply.again and not (reply.status == 500 and broken <= REPEATED_500):
             return reply

@@ -31,7 +31,7 @@ _BROKEN = (httpx.TransportError, httpx.StreamError)
 
 @dataclass
 class Session:
-    """The service: its address; patience: how long to repeat a request that it does not answer [s].
+    """The service: its address; patience: how long to repeat a request that it does not answer [s], 0 for one try.
 
     notify: called with a sentence, in another thread, if a request has no answer after `notice` seconds. until: the
     time of the clock after which everything raises `TimeoutError` with the sentence `late`.
@@ -70,11 +70,14 @@ class Session:
         self.check_time()
         await self.driver.sleep(min(seconds, self._left()))
 
-    async def send(self, call: Call[Any], file: Path | None = None) -> Reply:
-        """The answer to a request; a success without its content if that is written to a file."""
+    async def send(self, call: Call[Any], file: Path | None = None, most: float = math.inf) -> Reply:
+        """The answer to a request; a success without its content if that is written to a file.
+
+        most: how long to wait for the next part of the answer [s], unless the request states that it takes longer.
+        """
         self.check_time()
         try:
-            answer = await self.driver.send(self._request(call, call.timeout))
+            answer = await self.driver.send(self._request(call, call.timeout, max(SOON, most)))
             try:
                 chunks = self.driver.chunks(answer)
                 if file is None or not answer.is_success:
@@ -111,13 +114,14 @@ class Session:
         """The time until it is too late [s]; never 0, which would be no limit."""
         return max(SOON, self.until - self.clock())
 
-    def _request(self, call: Call[Any], timeout: float | None) -> httpx.Request:
+    def _request(self, call: Call[Any], timeout: float | None, most: float = math.inf) -> httpx.Request:
         headers = {} if call.key is None else {"Idempotency-Key": call.key}
         how: dict[str, Any] = {"params": dict(call.query)} if call.query else {}
         how |= {} if call.body is None else {"json": call.body}
         usual = self.driver.client.timeout.read
-        if timeout is not None or self._left() < (math.inf if usual is None else usual):
-            how["timeout"] = min(timeout or math.inf, self._left())
+        left = min(self._left(), math.inf if timeout is not None else most)
+        if timeout is not None or left < (math.inf if usual is None else usual):
+            how["timeout"] = min(timeout or math.inf, left)
         try:
             return self.driver.client.build_request(call.method, call.address, headers=headers, **how)
         except UnicodeEncodeError as error:

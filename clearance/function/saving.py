@@ -14,15 +14,22 @@ from backend.db.store import PATIENCE, RunStore
 from campaigns.stages.found import declared
 from campaigns.stages.plan import most
 from clearance.function.origin import Origin
+from clearance.local import RESULT
 from clearance.local.citation import named
-from clearance.local.results import write_results
+from clearance.local.results import of_others, write_results
 from clearance.local.summary import summary
 from worker.running.runs import identity
 
 
 def save(origin: Origin, folder: Path) -> Path:
-    """Write everything into the folder, which is made if there is none; raises OSError if it cannot be written."""
+    """Write everything into the folder, which is made if there is none; raises OSError if it cannot be written, or has
+    files of others that would be replaced."""
     folder.mkdir(parents=True, exist_ok=True)
+    if not (folder / RESULT).exists() and (others := of_others(folder)):
+        raise FileExistsError(
+            f"{', '.join(others)} in {folder} would be replaced, and no {RESULT} shows that an earlier result wrote "
+            "that; give another folder, or delete what may be replaced"
+        )
     assert origin.store.verdict is not None
     result = summary(origin.campaign, origin.store, origin.store.verdict)
     if origin.cites is not None:

@@ -8,8 +8,10 @@ from __future__ import annotations
 
 import hashlib
 import json
+import os
+import re
 from collections.abc import Callable, Iterator, Mapping
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
@@ -31,6 +33,7 @@ from campaigns.stored.digest import Rows, evidence_digest
 from campaigns.stored.records import Columns, StagePlan, StageRecord, Trace
 from campaigns.unreadable import UNREADABLE
 from campaigns.versions import Versions, short
+from clearance.local import RESULT as RESULT
 from worker.engine.problem.problem import Problem
 from worker.engine.systems.base import in_own_sign
 from worker.engine.systems.simulators.declared.folder import FILE
@@ -39,9 +42,11 @@ from worker.running.opening import opened
 from worker.running.runs.continuation import CannotContinue
 from worker.running.runs.store import MemoryStore
 
-ARRAYS, TABLE, RESULT = "evaluations.npz", "evaluations.csv", "result.json"
-OF_EVERY_RUN = ("campaign.json", TABLE, ARRAYS, "evidence.json")
+ARRAYS, TABLE = "evaluations.npz", "evaluations.csv"
+CAMPAIGN = "campaign.json"
+OF_EVERY_RUN = (CAMPAIGN, TABLE, ARRAYS, "evidence.json")
 """The files that every run has, besides result.json."""
+_OF_SOME = re.compile(r"trace-(nominal|F[0-9]+)\.csv|capsule-F[0-9]+\.zip")
 
 
 def write_results(
@@ -50,7 +55,8 @@ def write_results(
 ) -> str:  # fmt: skip
     """Write everything into the folder, numbers with all their digits; returns the evidence digest.
 
-    What an earlier run left there is replaced when all is written; until then nothing of it is changed.
+    What an earlier run left there is replaced when all is written; until then nothing of it is changed. In a folder
+    without result.json there is nothing of an earlier run.
     problem, known: the campaign's problem and the catalogue, if its system is not one of this installation; others:
     writes what else belongs to these results into a folder.
     """
@@ -58,7 +64,7 @@ def write_results(
         part = Path(beside)
         digest = _written(part, campaign, store, result, problem, known)
         others(part)
-        earlier = _of_some(folder)
+        earlier = _of_some(folder) if (folder / RESULT).exists() else []
         (folder / RESULT).unlink(missing_ok=True)  # without it the folder is no result, whatever interrupts the rest
         for file in earlier:
             file.unlink(missing_ok=True)
@@ -82,14 +88,29 @@ def remove_results(folder: Path, source: Path | None = None) -> None:
 def _of_some(folder: Path) -> list[Path]:
     """The files of an earlier run that not every run has. A simulator.yaml that it did not write is the user's."""
     described = [folder / FILE] if versions_of(folder).command else []
-    return [*folder.glob("trace-*.csv"), *folder.glob("capsule-F*.zip"), *described]
+    return [*(file for file in folder.iterdir() if _OF_SOME.fullmatch(file.name)), *described]
+
+
+def saves(name: str) -> bool:
+    """Whether a run may write a file of this name into its folder."""
+    return name in (*OF_EVERY_RUN, RESULT, FILE) or _OF_SOME.fullmatch(name) is not None
+
+
+def of_others(folder: Path, campaign: Campaign | None = None) -> list[str]:
+    """Names of files in a folder without result.json that a run may replace. campaign: one that is to be run; a
+    campaign.json that has just its text is left out."""
+    of_every = [name for name in OF_EVERY_RUN if os.path.lexists(folder / name)]
+    with suppress(OSError):
+        if campaign is not None and (folder / CAMPAIGN).read_bytes() == _text(campaign).encode():
+            of_every.remove(CAMPAIGN)
+    return [*of_every, *sorted(file.name for file in folder.iterdir() if _OF_SOME.fullmatch(file.name))]
 
 
 def _written(
     folder: Path, campaign: Campaign, store: MemoryStore, result: Mapping[str, object], problem: Problem | None,
     known: Catalogue | None,
 ) -> str:  # fmt: skip
-    (folder / "campaign.json").write_text(json.dumps(campaign.document(), indent=2) + "\n", encoding="utf-8")
+    (folder / CAMPAIGN).write_text(_text(campaign), encoding="utf-8")
     tables = {TABLE: folder / TABLE}
     _write_evaluations(tables[TABLE], problem or opened.problem(campaign), store)
     _write_bits(folder / ARRAYS, store)
@@ -104,6 +125,10 @@ def _written(
     sealed = {**result, "evidence_digest": digest}
     (folder / RESULT).write_text(json.dumps(sealed, indent=2, allow_nan=False) + "\n", encoding="utf-8")
     return digest
+
+
+def _text(campaign: Campaign) -> str:
+    return json.dumps(campaign.document(), indent=2) + "\n"
 
 
 def _digest(campaign: Campaign, store: MemoryStore, documents: Any) -> str:
@@ -133,13 +158,13 @@ def _readable(what: str) -> Iterator[None]:
 
 def read_folder(folder: Path) -> tuple[Campaign, MemoryStore]:
     """The campaign and the evaluations that `write_results` left; raises `CannotContinue` if they are missing."""
-    for name in ("campaign.json", RESULT, ARRAYS):
+    for name in (CAMPAIGN, RESULT, ARRAYS):
         if not (folder / name).is_file():
             raise CannotContinue(
                 f"it contains no {name}; give the folder of a `clearance run --out`, or a run such as R-0001",
                 RefusalCode.NO_RUN,
             )
-    campaign = load_file(folder / "campaign.json")
+    campaign = load_file(folder / CAMPAIGN)
     stages = [StageRecord(StagePlan(*planned)) for planned in plan(campaign)]
     with _readable(f"{ARRAYS} in it"):
         chunks = _read_bits(folder / ARRAYS, len(stages))

@@ -133,6 +133,31 @@ def test_no_backup_is_made_of_a_damaged_database_and_what_is_damaged_is_said(
     assert damage(database) in str(refused.value)
 
 
+@pytest.mark.parametrize("left", [(), ("-journal", "-wal", "-shm")])
+def test_a_backup_that_fails_leaves_no_file(
+    left: tuple[str, ...], stored: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Nor does it take over what a killed one left."""
+    folder = tmp_path / "copies"
+    folder.mkdir()
+    for ending in left:
+        (folder / f".copy.part{ending}").write_bytes(b"of a killed one")
+
+    def full(source: Path, part: Path) -> None:
+        assert [path.name for path in folder.iterdir()] == [part.name]
+        for ending in ("", "-journal"):
+            part.with_name(part.name + ending).write_bytes(b"some")
+        raise OSError(28, "No space left on device")
+
+    with monkeypatch.context() as patched:
+        patched.setattr("backend.db.backup._copy_sqlite", full)
+        with pytest.raises(BackupError, match="No space left"):
+            backup(stored, folder / "copy")
+    assert list(folder.iterdir()) == []
+    backup(stored, folder / "copy")
+    assert [path.name for path in folder.iterdir()] == ["copy"]
+
+
 def test_a_damaged_database_is_replaced(stored: str, tmp_path: Path) -> None:
     file, database = tmp_path / "backup", tmp_path / "data" / "clearance.sqlite3"
     backup(stored, file)

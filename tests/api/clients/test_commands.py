@@ -17,6 +17,7 @@ from campaigns.claims.numbers import signed
 from campaigns.results.finding import HalfStep
 from campaigns.results.verdict import headline
 from clearance.cli import INTERNAL, VIOLATED, WRONG_INPUT, invoke
+from clearance.cli._saved import LIST
 from tests import results
 from tests.given.refused_commands import refusal
 from tests.given.reported_runs import finish_fully
@@ -141,15 +142,18 @@ def test_files_are_exported(
 ) -> None:
     monkeypatch.chdir(tmp_path)
     assert command("export", violated) == 0
-    assert len(statement(capsys).splitlines()) == len(list((tmp_path / violated).iterdir())) == 5
+    listed = statement(capsys).splitlines()
+    assert sorted([*map(Path, listed), Path(violated, LIST)]) == sorted(Path(violated).iterdir())
+    assert len(listed) == 5
     assert command("export", violated, "--out", ".", "--file", "findings.csv") == 0
     assert Path("findings.csv").is_file()
     assert command("export", violated, "--out", "p", "--file", "worst-case.svg", "--file", "traces.csv") == 0
-    assert sorted(path.name for path in Path("p").iterdir()) == ["traces.csv", "worst-case.svg"]
+    assert sorted(path.name for path in Path("p").iterdir()) == [LIST, "traces.csv", "worst-case.svg"]
     begins = {"capsule-F1.zip": b"PK\x03\x04", "traces.mcap": b"\x89MCAP0\r\n", "evaluations.parquet": b"PAR1"}
     files = [word for name in begins for word in ("--file", name)]
     assert command("export", violated, "--out", "e", *files) == 0
-    assert {path.name: path.read_bytes()[: len(begins[path.name])] for path in Path("e").iterdir()} == begins
+    assert {path.name for path in Path("e").iterdir()} == {LIST, *begins}
+    assert {name: Path("e", name).read_bytes()[: len(begin)] for name, begin in begins.items()} == begins
     picture = Xml.parse("p/worst-case.svg").getroot()
     assert picture.tag == "{http://www.w3.org/2000/svg}svg"
     told = "".join(picture.itertext())

@@ -12,6 +12,7 @@ import yaml
 
 from backend.db.queue import Queue
 from clearance.cli import INTERNAL, INTERRUPTED, WRONG_INPUT, invoke
+from clearance.cli._saved import LIST
 from tests.given.reported_runs import finish_fully
 from tests.given.service import Service, until
 from tests.given.small_catalogue import campaign
@@ -66,7 +67,7 @@ def test_the_files_are_those_of_the_service(service: Service, command: Command, 
     out = tmp_path / "out"
     assert command("follow", "R-0001", "--out", out).result(30) == 0
     made = ["campaign.yaml", "evaluations.csv", "findings.csv", "report.html", "run.json"]
-    assert sorted(f.name for f in out.iterdir()) == made
+    assert sorted(f.name for f in out.iterdir()) == [LIST, *made]
     modeline = f"# yaml-language-server: $schema={service.url}/api/v1/campaigns/schema\n"
     assert (out / "campaign.yaml").read_text() == modeline + file.read_text()
     with service.signed_in() as client:

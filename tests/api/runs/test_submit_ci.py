@@ -4,9 +4,12 @@ from __future__ import annotations
 
 import os
 import signal
+import socket
 import subprocess
+import time
 from collections.abc import Callable, Iterator
 from concurrent.futures import Future, ThreadPoolExecutor
+from contextlib import contextmanager
 from pathlib import Path
 from xml.etree import ElementTree as Xml
 
@@ -14,7 +17,8 @@ import pytest
 import yaml
 
 from backend.db.baselines import none_found
-from clearance.cli import INTERRUPTED, VIOLATED, WRONG_INPUT, invoke
+from clearance.cli import INTERNAL, INTERRUPTED, VIOLATED, WRONG_INPUT, _following, invoke
+from clearance.client import Client
 from tests.faults.processes import CLEARANCE, REPOSITORY
 from tests.given.refused_commands import fields
 from tests.given.reported_runs import finish_fully
@@ -130,6 +134,39 @@ def test_a_job_that_is_stopped_cancels_its_run_if_asked(service: Service, tmp_pa
             f"R-000{number} was cancelled, because this command was ended" in statement,
         )
     assert states == {"queued": (-signal.SIGTERM, False), "cancelled": (INTERRUPTED, True)}
+
+
+@contextmanager
+def deaf() -> Iterator[str]:
+    """The address of a service that accepts connections and never answers."""
+    with socket.create_server(("127.0.0.1", 0)) as listening:
+        yield f"http://127.0.0.1:{listening.getsockname()[1]}"
+
+
+def test_a_service_that_hangs_is_not_waited_for_beyond_the_patience(
+    command: Command, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    with deaf() as address:
+        monkeypatch.setenv("CLEARANCE_SERVICE", address)
+        began = time.monotonic()
+        assert command("runs", "--patience", "1").result(30) == INTERNAL
+    assert time.monotonic() - began < 10.0
+    assert "did not respond for 1 s: timed out" in capsys.readouterr().err
+
+
+def test_what_a_service_that_hangs_did_is_not_known(
+    service: Service, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    """Of a run that was to be cancelled; the time for that is short, whatever the patience."""
+    monkeypatch.setattr(_following, "GRACE", 0.5)
+    for patience in (0.0, 0.2, 120.0):
+        with deaf() as address, Client(address, "t", patience=patience) as client:
+            began = time.monotonic()
+            statement = _following._cancelled(client, "R-0004")
+        assert statement.startswith("whether R-0004 was cancelled is not known: ")
+        assert time.monotonic() - began < 10.0
+    with Client(service.url, service.token()) as client:
+        assert _following._cancelled(client, "R-0004").startswith("R-0004 could not be cancelled: ")
 
 
 def test_a_file_that_contains_a_baseline_is_refused_by_a_service(

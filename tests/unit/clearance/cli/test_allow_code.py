@@ -149,6 +149,15 @@ def test_no_description_of_an_earlier_run_stays_among_the_results(
         assert (out / "simulator.yaml").read_text(encoding="utf-8") == "name: own", "no run wrote it"
 
 
+def test_a_description_that_no_run_wrote_is_not_replaced(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    file = written(tmp_path)
+    own = tmp_path / "out" / "simulator.yaml"
+    own.parent.mkdir()
+    own.write_text("name: own", encoding="utf-8")
+    assert refused(capsys, "run", file, "--allow-code", "--out", own.parent) == RefusalCode.EXISTS
+    assert own.read_text(encoding="utf-8") == "name: own"
+
+
 def test_a_run_in_other_units_is_no_baseline(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     def run(folder: str, unit: str, *more: str) -> int:
         (tmp_path / folder).mkdir()

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import json
 from collections.abc import Iterator
 from dataclasses import replace
@@ -107,6 +108,42 @@ def test_no_file_of_an_earlier_build_survives_an_end_without_a_verdict(words: li
     [run] = json.loads(found.read_text(encoding="utf-8"))["runs"]
     assert [(result["ruleId"], result["level"]) for result in run["results"]] == [("no-verdict", "error")]
     assert (run["invocations"][0]["executionSuccessful"], "exitCode" in run["invocations"][0]) == (False, False)
+
+
+COMMANDS = (["run", "unicycle_static"], ["submit", "unicycle_static", *NOWHERE], ["follow", "R-0001", *NOWHERE])
+OPTIONS = ("--junit", "--summary", "--sarif")
+
+
+@pytest.mark.parametrize("command", COMMANDS, ids=lambda command: command[0])
+@pytest.mark.parametrize("pair", [*itertools.permutations(OPTIONS, 2)], ids=" ".join)
+def test_two_options_with_one_file_are_refused(
+    command: list[str], pair: tuple[str, str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:  # fmt: skip
+    """However its path is written."""
+    monkeypatch.chdir(tmp_path)
+    Path("folder").mkdir()
+    assert invoke([*command, pair[0], "a.xml", pair[1], "folder/../a.xml"]) == WRONG_INPUT
+    assert "are one file" in " ".join(capsys.readouterr().err.split())
+
+
+@pytest.mark.parametrize("command", COMMANDS, ids=lambda command: command[0])
+@pytest.mark.parametrize("option", OPTIONS)
+def test_a_file_of_the_job_that_would_be_replaced_by_one_of_the_folder_is_refused(
+    command: list[str], option: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:  # fmt: skip
+    monkeypatch.chdir(tmp_path)
+    local = command[0] == "run"
+    names = ("result.json", "trace-F7.csv", "campaign.json") if local else ("report.html", "run.json", "worst-case.svg")
+    for number, name in enumerate(names):
+        assert invoke([*command, "--out", f"out{number}", option, f"./out{number}/{name}"]) == WRONG_INPUT
+        assert "saves a file of this name" in " ".join(capsys.readouterr().err.split())
+
+
+def test_a_device_may_be_named_twice(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("CLEARANCE_TOKEN", "t")
+    assert invoke(["follow", "R-0001", *NOWHERE, "--junit", "/dev/null", "--sarif", "/dev/null"]) == INTERNAL
 
 
 @pytest.mark.parametrize(

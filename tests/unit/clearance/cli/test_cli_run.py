@@ -314,7 +314,7 @@ def test_a_run_writes_its_files_and_removes_earlier_ones(
     file: Write, capsys: pytest.CaptureFixture[str], tmp_path: Path
 ) -> None:
     asked, folder = searching(DIRECT, SQP, SAMPLE, **SHORT), tmp_path / "deep" / "out"
-    folder.mkdir(parents=True)
+    result(capsys, file(asked), "--out", str(folder))
     for earlier in ("trace-F9.csv", "capsule-F9.zip"):
         (folder / earlier).touch()
     _, printed = result(capsys, file(asked), "--out", str(folder))

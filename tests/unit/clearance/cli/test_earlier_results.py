@@ -2,18 +2,22 @@
 
 from __future__ import annotations
 
+import errno
 import json
+import os
 import shutil
 from pathlib import Path
+from typing import Any
 
 import pytest
 
 from campaigns.refusals import RefusalCode
-from clearance.cli import INCONCLUSIVE, INTERNAL, INTERRUPTED, WRONG_INPUT, invoke
+from clearance.cli import INCONCLUSIVE, INTERNAL, INTERRUPTED, WRONG_INPUT, _saved, invoke
 from tests.given.case_campaigns import searching
 from tests.given.refused_commands import refused
 from worker.engine.systems.base import CampaignUnusable
 from worker.engine.systems.simulators.cluster.address import EvaluatorLost
+from worker.running.runs.runner import execute
 
 SHORT = {"scenario__horizon": 1.0}
 """[s]; too short for a sample or a second method to matter: inconclusive."""
@@ -128,6 +132,124 @@ def test_the_campaign_among_the_results_may_be_run(here: Path, monkeypatch: pyte
     fails(monkeypatch, RuntimeError("a bug"))
     assert invoke(["run", "out/campaign.json", "--out", "out"]) == INTERNAL
     assert files() == {"campaign.json": campaign, **dict.fromkeys(OWN, b"own")}
+
+
+def test_the_campaign_that_a_failed_run_left_may_be_run_again(
+    here: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Its text is that which is written; with a baseline it is another one."""
+    with monkeypatch.context() as broken:
+        fails(broken, RuntimeError("a bug"))
+        assert invoke(["run", "out/campaign.json", "--out", "out"]) == INTERNAL
+    campaign = files()["campaign.json"]
+    invoke(["run", "campaign.json", "--out", "before"])
+    assert refused(capsys, "run", "out/campaign.json", "--baseline", "before", "--out", "out") == RefusalCode.EXISTS
+    assert files() == {"campaign.json": campaign, **dict.fromkeys(OWN, b"own")}
+    assert invoke(["run", "out/campaign.json", "--out", "out"]) == INCONCLUSIVE
+    assert files()["campaign.json"] == campaign
+
+
+REPLACED = ("evaluations.csv", "evaluations.npz", "evidence.json", "campaign.json", "trace-F1.csv", "trace-nominal.csv")
+
+
+@pytest.mark.parametrize("name", [*REPLACED, "capsule-F12.zip"])
+@pytest.mark.parametrize("kind", ["file", "folder", "link"])
+def test_files_that_no_run_wrote_are_refused(
+    here: Path, name: str, kind: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Of a run and of an extension, before anything is simulated."""
+    own = Path("own", name)
+    own.parent.mkdir()
+    {"file": lambda: own.write_bytes(b"own"), "folder": own.mkdir, "link": lambda: own.symlink_to("nowhere")}[kind]()
+    extension = ("--continue", "out", "--budget", "+20")
+    fails(monkeypatch, AssertionError("it was simulated"))
+    for arguments in (("campaign.json",), extension):
+        assert refused(capsys, "run", *arguments, "--out", "own") == RefusalCode.EXISTS
+    assert [path.name for path in Path("own").iterdir()] == [name]
+    assert kind != "file" or own.read_bytes() == b"own"
+
+
+@pytest.mark.parametrize("link", ["symlink_to", "hardlink_to"])
+def test_a_campaign_is_not_replaced_by_its_own_results(
+    here: Path, link: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """By whatever name it is given."""
+    getattr(Path("mine.json"), link)("campaign.json")
+    before = Path("campaign.json").read_bytes()
+    for name in ("campaign.json", "mine.json"):
+        assert refused(capsys, "run", name, "--out", ".") == RefusalCode.EXISTS
+    assert Path("campaign.json").read_bytes() == before
+
+
+def test_a_run_deletes_only_what_runs_write(here: Path) -> None:
+    """Neither the first one in a folder nor a later one."""
+    own = ("trace-mine.csv", "trace-F1-mine.csv", "capsule-Flight.zip", "trace-F.csv", "simulator.yaml")
+    Path("own").mkdir()
+    for name in own:
+        Path("own", name).write_bytes(b"own")
+    for _ in range(2):
+        assert invoke(["run", "campaign.json", "--out", "own"]) == INCONCLUSIVE
+        assert {name: files("own")[name] for name in own} == dict.fromkeys(own, b"own")
+
+
+def test_what_was_saved_from_a_service_is_replaced_until_it_is_changed(
+    here: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def download(folder: Path) -> None:
+        folder.mkdir()
+        (folder / "evaluations.csv").write_bytes(b"of a service")
+
+    for folder in (Path("saved"), Path("changed")):
+        folder.mkdir()
+        _saved.save(folder, download)
+    Path("changed", "evaluations.csv").write_bytes(b"own")
+    assert refused(capsys, "run", "campaign.json", "--out", "changed") == RefusalCode.EXISTS
+    assert files("changed")["evaluations.csv"] == b"own"
+    assert invoke(["run", "campaign.json", "--out", "saved"]) == INCONCLUSIVE
+
+
+def _full(monkeypatch: pytest.MonkeyPatch, where: str) -> None:
+    def full(*_: object, **__: object) -> None:
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+    monkeypatch.setattr(where, full)
+
+
+def _deleted(monkeypatch: pytest.MonkeyPatch, folder: str) -> None:
+    def deleting(*arguments: Any, **named: Any) -> Any:
+        verdict = execute(*arguments, **named)
+        shutil.rmtree(folder)
+        return verdict
+
+    monkeypatch.setattr("worker.running.runs.runner.execute", deleting)
+
+
+BROKEN = {
+    "full, a table": (_full, "clearance.local.results._write_evaluations"),
+    "full, arrays": (_full, "clearance.local.results._write_bits"),
+    "full, a capsule": (_full, "clearance.cli._capsule.write_capsules"),
+    "deleted": (_deleted, "new"),
+}
+
+
+@pytest.mark.parametrize("as_json", [False, True])
+@pytest.mark.parametrize("broken", BROKEN)
+def test_a_verdict_whose_results_cannot_be_written_is_printed(
+    here: Path, broken: str, as_json: bool, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """The files of a job have it; the exit code is not that of a verdict, and no file of the results is left."""
+    happens, where = BROKEN[broken]
+    happens(monkeypatch, where)
+    options = ("--json",) if as_json else ()
+    assert invoke(["run", "campaign.json", "--out", "new", "--junit", "junit.xml", *options]) == WRONG_INPUT
+    out, err = capsys.readouterr()
+    assert "--out new cannot be written" in err
+    assert "Traceback" not in err
+    assert "Results in" not in out
+    verdict = json.loads(out)["verdict"] if as_json else out
+    assert "inconclusive" in verdict.lower()
+    assert "clearance replay" not in Path("junit.xml").read_text(), "nothing is stored that could be replayed"
+    assert not Path("new").exists() or files("new") == {}
 
 
 def test_another_baseline_is_no_other_campaign(here: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -29,6 +29,7 @@ from clearance.client import (
     PurgedError,
     RefusedError,
     UnreachableError,
+    calls,
     drivers,
 )
 from tests.given.small_catalogue import campaign
@@ -236,6 +237,41 @@ def test_a_service_that_stays_away_is_reported_after_the_patience(clock: Clock) 
     assert clock.slept == [0.5, 1.0, 2.0]
 
 
+def hanging(clock: Clock, taken: list[float]) -> Answers:
+    """A service that accepts every connection and never answers."""
+
+    def hang(request: httpx.Request) -> httpx.Response:
+        taken.append(request.extensions["timeout"]["read"])
+        clock.now += taken[-1]
+        raise httpx.ReadTimeout("timed out")
+
+    return hang
+
+
+@pytest.mark.parametrize("patience", [1.0, 5.0, 31.0, 45.0, 120.0])
+def test_a_service_that_hangs_is_reported_after_the_patience(clock: Clock, patience: float) -> None:
+    """Not after the usual time of an answer, which may be longer; that limits each try, as before."""
+    taken = list[float]()
+    with pytest.raises(UnreachableError, match=f" {patience:g} s: timed out"):
+        client(hanging(clock, taken), clock, patience=patience).run("R-0001")
+    assert clock.now <= patience + 0.2
+    assert max(taken) == pytest.approx(min(patience, drivers.TIMEOUT), abs=0.1)
+
+
+def test_no_patience_is_one_try_of_the_usual_time(clock: Clock) -> None:
+    taken = list[float]()
+    with pytest.raises(UnreachableError):
+        client(hanging(clock, taken), clock, patience=0.0).run("R-0001")
+    assert taken == [drivers.TIMEOUT]
+
+
+def test_a_file_that_takes_long_to_make_is_not_limited_by_the_patience(clock: Clock, tmp_path: Path) -> None:
+    taken = list[float]()
+    with pytest.raises(UnreachableError):
+        client(hanging(clock, taken), clock).report("R-0001", tmp_path / "report.html")
+    assert taken == [calls.LONGEST]
+
+
 def test_a_service_that_does_not_answer_is_noticed_while_its_answer_is_awaited() -> None:
     noticed, texts = threading.Event(), list[str]()
 
@@ -342,6 +378,18 @@ def test_a_name_cannot_leave_the_path_of_the_request() -> None:
     with pytest.raises(NotFoundError):
         client(answers).run("../tokens?x=#")
     assert seen[0].url.raw_path == b"/api/v1/runs/..%2Ftokens%3Fx%3D%23"
+
+
+def test_downloads_of_one_file_at_the_same_time_do_not_mix(tmp_path: Path) -> None:
+    """Nor do they touch a file of the user next to it."""
+    (tmp_path / "run.json.part").write_bytes(b"own")
+    file = tmp_path / "run.json"
+    with drivers.written(file) as first, drivers.written(file) as second:
+        first.write(b"first" * 9)
+        second.write(b"second")
+    assert file.read_bytes() == b"first" * 9
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["run.json", "run.json.part"]
+    assert (tmp_path / "run.json.part").read_bytes() == b"own"
 
 
 def test_an_incomplete_download_leaves_no_file(tmp_path: Path, clock: Clock) -> None:

@@ -139,6 +139,19 @@ def test_a_result_that_could_not_be_saved_leaves_the_earlier_one(
     assert searched(resume=folder, seed=2).costs.tobytes() == second.costs.tobytes()
 
 
+@pytest.mark.parametrize("name", ["evaluations.csv", "campaign.json", "trace-F1.csv"])
+def test_a_result_replaces_no_file_that_no_result_wrote(tmp_path: Path, name: str) -> None:
+    (tmp_path / name).write_bytes(b"own")
+    (tmp_path / "trace-mine.csv").write_bytes(b"own")
+    with pytest.raises(FileExistsError, match=name):
+        searched().save(tmp_path)
+    assert {file.name: file.read_bytes() for file in tmp_path.iterdir()} == {name: b"own", "trace-mine.csv": b"own"}
+    (tmp_path / name).unlink()
+    searched().save(tmp_path)
+    searched().save(tmp_path)
+    assert (tmp_path / "trace-mine.csv").read_bytes() == b"own"
+
+
 def test_a_search_does_not_end_because_it_cannot_be_shown(monkeypatch: pytest.MonkeyPatch) -> None:
     def closed(*_: object, **__: object) -> None:
         raise OSError(5, "the terminal is gone")

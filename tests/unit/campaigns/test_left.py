@@ -8,7 +8,7 @@ from campaigns.limits import DRAWS
 from campaigns.stages.plan import left
 
 
-@pytest.mark.parametrize("kind", ["search", "sensitivity", "estimate", "validate", "a kind of another version"])
+@pytest.mark.parametrize("kind", ["search", "sensitivity", "estimate", "validate", "kind_of_another_version"])
 def test_what_is_excluded_is_part_of_a_budget(kind: str) -> None:
     assert left(kind, 300, 100, 50) == 200
     assert left(kind, 300, 320, 50) == 0

@@ -259,16 +259,16 @@ def observe(states, params, dt, first, seen):  # type: ignore[no-untyped-def]
             seen[i, j] = value
 
 
-def ahead(given, begin, rate, first, each, seen):  # type: ignore[no-untyped-def]
+def ahead(start, begin, rate, first, each, seen):  # type: ignore[no-untyped-def]
     """The channels of a vehicle that is moved along a straight line while everything else stays as it is.
 
-    given: state (N_X,), place, velocity along the line, velocity that criteria see (N_Q,), inputs (N_U,), params
+    start: state (N_X,), place, velocity along the line, velocity that criteria see (N_Q,), inputs (N_U,), params
     (N_P,); begin: the time at the place [s]; rate: 1, or 0 if time does not pass; first, each: the first instant after
     that, and the interval [s]; out: seen (rows, N_Y).
     """
     b = np.zeros((N_X + 3 * N_Q + N_U + N_E) * LANES)
-    for k in range(given.shape[0]):
-        b[k * LANES] = given[k]
+    for k in range(start.shape[0]):
+        b[k * LANES] = start[k]
     x = load_x(b, 0, 0)
     place = load_q(b, N_X * LANES, 0)
     move = load_q(b, (N_X + N_Q) * LANES, 0)

@@ -38,7 +38,8 @@ def barred(found: Terms) -> str:
 
 def test_an_unknown_extent_bars_distances_to_centres() -> None:
     text = barred(terms("circle", reach=None))
-    assert text.startswith("the extent of obstacle 1 (Circle) is unknown: declare its reach")
+    assert "obstacle 1 (Circle)" in text
+    assert "declare its reach" in text
     assert not barred(terms("circle"))
     assert not barred(terms("circle", reach="older"))
 
@@ -47,13 +48,13 @@ def test_it_bars_neither_distances_to_surfaces_nor_distances_to_centres_that_are
     assert not barred(terms("circle", "surface_separation", reach=None))
     meant = terms("circle", stated=True, reach=None)
     assert not barred(meant)
-    assert "a vehicle inside obstacles.0 may count as clear" in words(meant.scope.settings)
+    assert "inside obstacles.0" in words(meant.scope.settings)
 
 
 @pytest.mark.parametrize("stated", [False, True])
 def test_a_criterion_of_obstacles_that_does_not_state_to_what_it_measures_bars_cleared(stated: bool) -> None:
     text = barred(terms("separation", stated=stated, measured_to=""))
-    assert text.startswith("it is unknown to which point of the obstacles Separation from centres measures")
+    assert "Separation from centres" in text
     assert not terms("separation", measured_to="").followed
 
 

@@ -119,9 +119,9 @@ class Ahead:
     def _along(self, line: _Line, first: float, each: float, count: int) -> Floats:
         """The channels at a number of instants."""
         vectors = (vector[: self._axes] for vector in (line.place, line.move, line.speed))
-        given = (self._state, *vectors, self._inputs, self._row)
+        start = (self._state, *vectors, self._inputs, self._row)
         passes = line.begins is not None
-        return self._loop.ahead(given, self._time + (line.begins or 0.0), float(passes), first, each, count)
+        return self._loop.ahead(start, self._time + (line.begins or 0.0), float(passes), first, each, count)
 
     def _coarse(self, line: _Line, each: float, count: int) -> Floats:
         """The channels at equal intervals; those of a line that several obstacles share once."""

@@ -136,17 +136,17 @@ class Loop:
         return seen
 
     def ahead(
-        self, given: Sequence[Floats], begin: float, rate: float, first: float, each: float, count: int
+        self, start: Sequence[Floats], begin: float, rate: float, first: float, each: float, count: int
     ) -> Floats:
         """The channels (count, ...) of a vehicle that is moved along a straight line, at equal intervals.
 
-        given: the loop's state, place [m], velocity along the line and velocity as criteria see it [m/s], inputs,
+        start: the loop's state, place [m], velocity along the line and velocity as criteria see it [m/s], inputs,
         params; begin: the time at the place [s]; rate: 1, or 0 if time does not pass; first, each: the first instant
         after that, and the interval [s].
         """
         seen = np.empty((count, self.channels.total))
         with np.errstate(all="ignore"):
-            self._ahead(np.concatenate(given), begin, rate, first, each, seen)
+            self._ahead(np.concatenate(start), begin, rate, first, each, seen)
         return seen
 
     def part(self, name: str) -> Function:

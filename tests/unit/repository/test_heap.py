@@ -22,7 +22,7 @@ STARTING = SIMULATING | {"backend/__main__.py", "clearance/__main__.py"}
 
 @pytest.mark.parametrize("file", sorted(STARTING))
 def test_what_starts_a_process_imports_it_before_anything_else(file: str) -> None:
-    """After the files of the code are recorded, where they are, and the handler of an interrupt is installed; and it ends
+    """After the files of the code are recorded, where they are, and the handler of an interrupt installed; it ends
     the interruption once all is imported."""
     tree = ast.parse((ROOT / file).read_text())
     imports = [n for n in tree.body if isinstance(n, (ast.Import, ast.ImportFrom))]

@@ -67,6 +67,9 @@ _POSTGRESQL: dict[str, Kind] = {
 _damaged: set[str] = set()
 """The URLs of databases in which this process has met damage."""
 
+_full: set[str] = set()
+"""The URLs of databases in which a write of this process failed for want of space."""
+
 
 class DatabaseOutage(sa.exc.OperationalError):
     """The database itself cannot be used; `kind` and `sentence` say why."""
@@ -94,6 +97,8 @@ def watched(engine: sa.Engine) -> sa.Engine:
             _rolled_back(context.connection)
         if kind == "damaged":
             _damaged.add(url)
+        if kind == "no-space":
+            _full.add(url)
         if context.is_pre_ping:
             return None
         orig = context.original_exception
@@ -142,6 +147,16 @@ def seen_damaged(engine: sa.Engine) -> bool:
 def mended(engine: sa.Engine) -> None:
     """Note that a check has found it whole."""
     _damaged.discard(engine.url.render_as_string(hide_password=False))
+
+
+def seen_full(engine: sa.Engine) -> bool:
+    """Whether a write of this process failed for want of space since `freed`."""
+    return engine.url.render_as_string(hide_password=False) in _full
+
+
+def freed(engine: sa.Engine) -> None:
+    """Note that a write has succeeded."""
+    _full.discard(engine.url.render_as_string(hide_password=False))
 
 
 def _kind(context: Any) -> Kind | None:

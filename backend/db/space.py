@@ -3,15 +3,20 @@
 from __future__ import annotations
 
 import shutil
+import tempfile
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
 import sqlalchemy as sa
 
+from backend.db import outages
+
 VARIABLE = "CLEARANCE_MIN_FREE"
 MIN_FREE = 500_000_000
 """The limit unless the variable states another [bytes]."""
+TRIED = 100_000
+"""What is written to find out whether the disk is still full [bytes]."""
 
 
 def places(url: str, data: Path | None) -> tuple[Path, ...]:
@@ -46,6 +51,26 @@ class Room:
             f"the disk of the database has {left / 1e6:,.0f} MB left, and new runs need {self.limit / 1e6:,.0f} MB "
             f"({VARIABLE}): an administrator must free space"
         )
+
+
+def refuse_full(engine: sa.Engine) -> None:
+    """Raises `DatabaseOutage` or `OSError` if a write failed for want of space, and one that is tried now does too.
+
+    What is tried is rolled back. SQLite writes it to the disk only later, so that a file next to it is tried as well.
+    """
+    if not outages.seen_full(engine):
+        return
+    for folder in places(str(engine.url), None):
+        with tempfile.TemporaryFile(dir=folder) as file:
+            file.write(bytes(TRIED))
+            file.flush()
+    with engine.connect() as connection, connection.begin() as tried:
+        connection.exec_driver_sql("create table space_that_is_tried (content text)")
+        connection.execute(
+            sa.text("insert into space_that_is_tried (content) values (:content)"), {"content": "0" * TRIED}
+        )
+        tried.rollback()
+    outages.freed(engine)
 
 
 def limit_of(environment: Mapping[str, str]) -> int:

@@ -21,7 +21,7 @@ import sqlalchemy as sa
 
 from backend.db import damage, revision, space, workers
 from backend.db.engine import connect, is_sqlite, now, read, refuse_read_only
-from backend.db.outages import DatabaseOutage
+from backend.db.outages import SENTENCES, DatabaseOutage
 from backend.http.pages import unbuilt
 from backend.reports.pdf import browser
 from campaigns import Problem
@@ -222,6 +222,9 @@ def reasons(engine: sa.Engine, data: Path, room: space.Room) -> list[Problem]:
                 found.append(Problem("workers", "", NO_WORKER))
         damage.refuse(engine)
         refuse_read_only(engine)
+        space.refuse_full(engine)
     except DatabaseOutage as error:
         found.append(Problem(error.kind, "", error.sentence))
+    except OSError:
+        found.append(Problem("no-space", "", SENTENCES["no-space"]))
     return found

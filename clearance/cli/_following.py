@@ -17,8 +17,8 @@ import typer
 from campaigns.runs import RunState
 from clearance.cli import WrongInputError, on_disk, refusing
 from clearance.cli._ended import Case, EndedRun, Source, changes, read, sureness
-from clearance.cli._saved import LIST, refuse_to_replace
-from clearance.cli._saved import save as save_into
+from clearance.cli._exports import LIST, refuse_to_replace
+from clearance.cli._exports import save as save_into
 
 if TYPE_CHECKING:
     from datetime import datetime

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any, NamedTuple, TypeAlias
 
 import typer
 
+from campaigns.refusals import RefusalCode
 from campaigns.sample_seed import LARGEST
 from clearance.cli import JOB_FILES, WrongInputError, on_disk, refusing
 
@@ -175,9 +176,11 @@ def _refuse_same(files: Mapping[str, Path | None], out: Path | None = None, save
             continue
         path = file.resolve()
         if path in named:
-            raise WrongInputError(f"--{named[path]} and --{option} are one file, {file}: give two names")
+            why = f"--{named[path]} and --{option} are one file, {file}: give two names"
+            raise WrongInputError(why, RefusalCode.OPTIONS)
         if out is not None and path.parent == out.resolve() and saved(path.name):
-            raise WrongInputError(f"--{option} {file}: --out {out} saves a file of this name: give another one")
+            why = f"--{option} {file}: --out {out} saves a file of this name: give another one"
+            raise WrongInputError(why, RefusalCode.OPTIONS)
         named[path] = option
 
 

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 from campaigns.refusals import RefusalCode
 from clearance.cli import WrongInputError, on_disk
-from clearance.cli._saved import others_files, same_file
+from clearance.cli._exports import others_files, same_file
 from clearance.local import RESULT
 
 if TYPE_CHECKING:

@@ -14,7 +14,7 @@ from campaigns.claims.numbers import Format, signed, written
 from campaigns.claims.stages.sample import STATED_SEED
 from campaigns.runs import RunState
 from clearance.cli import CODES, INTERNAL, INTERRUPTED, WrongInputError
-from clearance.cli._saved import save
+from clearance.cli._exports import save
 
 if TYPE_CHECKING:
     from clearance.client import Client

@@ -28,8 +28,8 @@ def export(
     patience: Patience = PATIENCE,
 ) -> None:  # fmt: skip
     """Save files of a run of a service: by default its campaign, result, evaluations, findings and report."""
+    from clearance.cli._exports import refuse_to_replace
     from clearance.cli._out import writable
-    from clearance.cli._saved import refuse_to_replace
     from clearance.client import calls
 
     numbered(run)

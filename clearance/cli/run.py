@@ -122,8 +122,21 @@ def run(
     likely = likelihoods(campaign, store, verdict.unit)
     result = summary(campaign, store, verdict, likely) | ({"continues": cites} if cites else {}) | code.stated(campaign)
     result |= ({"labels": options.labels} if options.labels else {}) | ({"baseline": note} if note else {})
-    lost = None if out is None else _saved(out, campaign, store, result)
-    out = None if lost else out
+    lost = None
+    if out is not None:
+        from clearance.cli._capsule import write_capsules
+        from clearance.local.results import write_results
+
+        def others(folder: Path) -> None:
+            write_capsules(folder, campaign, store, code.program_of(campaign))
+            code.write_description(folder, campaign)
+
+        try:
+            result["evidence_digest"] = write_results(out, campaign, store, result, others=others)
+        except OSError as error:  # which does not take the verdict from the user
+            why = error.strerror or error
+            lost = WrongInputError(f"--out {out} cannot be written, so the results are not stored: {why}")
+            out = None
     if as_json:
         typer.echo(json.dumps(result, indent=2, allow_nan=False))
     else:
@@ -138,25 +151,6 @@ def run(
     if lost:
         raise lost
     raise typer.Exit(ended.code)
-
-
-def _saved(out: Path, campaign: Campaign, store: MemoryStore, result: dict[str, object]) -> WrongInputError | None:
-    """Write the results, and add their evidence digest; returns why that is not possible, which does not take the
-    verdict from the user."""
-    from clearance.cli._capsule import write_capsules
-    from clearance.local.results import write_results
-
-    def others(folder: Path) -> None:
-        write_capsules(folder, campaign, store, code.program_of(campaign))
-        code.write_description(folder, campaign)
-
-    try:
-        result["evidence_digest"] = write_results(out, campaign, store, result, others=others)
-    except OSError as error:
-        return WrongInputError(
-            f"--out {out} cannot be written, so the results are not stored: {error.strerror or error}"
-        )
-    return None
 
 
 def _ended(

@@ -66,8 +66,8 @@ def submit(
     from campaigns.stages.plan import most
     from clearance.cli._campaign import found
     from clearance.cli._ended import Source
+    from clearance.cli._exports import refuse_to_replace
     from clearance.cli._out import writable
-    from clearance.cli._saved import refuse_to_replace
     from clearance.cli._sweep import TABLE, parsed
     from clearance.cli._sweep import sweep as launched
     from clearance.local.interrupt import terminated

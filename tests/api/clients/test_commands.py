@@ -17,7 +17,7 @@ from campaigns.claims.numbers import signed
 from campaigns.results.finding import HalfStep
 from campaigns.results.verdict import headline
 from clearance.cli import INTERNAL, VIOLATED, WRONG_INPUT, invoke
-from clearance.cli._saved import LIST
+from clearance.cli._exports import LIST
 from tests import results
 from tests.given.refused_commands import refusal
 from tests.given.reported_runs import finish_fully

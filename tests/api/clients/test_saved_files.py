@@ -9,7 +9,7 @@ import pytest
 import yaml
 
 from campaigns.refusals import RefusalCode
-from clearance.cli import _saved, invoke
+from clearance.cli import _exports, invoke
 from clearance.cli._following import FILES, PICTURE
 from clearance.cli._sweep import TABLE
 from tests.given.refused_commands import refused
@@ -101,7 +101,7 @@ def test_what_was_saved_is_replaced_until_the_user_changes_it(
         finish_fully(service)
     assert invoke(["follow", "R-0002", "--out", "out"]) == 0
     assert json.loads(Path("out", "run.json").read_text())["run"]["id"] == "R-0002"
-    assert set(content("out")) == {*FILES, "notes.txt", _saved.LIST}
+    assert set(content("out")) == {*FILES, "notes.txt", _exports.LIST}
     for change in (_edited, _directory, _dangling):
         change(Path("out", "report.html"))
         before = content("out")
@@ -147,7 +147,7 @@ def test_a_name_that_leaves_the_folder_is_refused(here: Path, capsys: pytest.Cap
     Path("out").mkdir()
     for name in ("../own.txt", str(here / "own.txt")):
         assert invoke(["export", RUN, "--out", "out", "--file", name]) == 3
-        assert "there is no file" in capsys.readouterr().err
+        assert repr(name) in capsys.readouterr().err
     assert (content("out"), Path("own.txt").read_bytes()) == ({}, OWN)
 
 
@@ -159,8 +159,8 @@ def test_what_was_saved_before_a_failure_is_listed(tmp_path: Path) -> None:
         (folder / "run.json").write_bytes(b"{}")
         raise OSError(28, "No space left on device")
 
-    with pytest.raises(Exception, match="cannot be written: No space left"):
-        _saved.save(tmp_path, download)
-    assert set(content(str(tmp_path))) == {_saved.LIST, "run.json"}
-    assert _saved.others_files(tmp_path, ["run.json"]) == []
+    with pytest.raises(Exception, match="No space left"):
+        _exports.save(tmp_path, download)
+    assert set(content(str(tmp_path))) == {_exports.LIST, "run.json"}
+    assert _exports.others_files(tmp_path, ["run.json"]) == []
     assert not [path for path in tmp_path.iterdir() if path.is_dir()]

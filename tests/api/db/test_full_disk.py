@@ -52,6 +52,35 @@ def test_an_import_on_a_full_disk_is_refused_and_changes_nothing(service: Servic
     assert client.post(FILES, params=where, content=LARGE).status_code == 201
 
 
+def test_a_service_is_not_ready_from_a_write_without_space_until_one_succeeds(
+    service: Service, client: httpx.Client, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Whether the database cannot grow or nothing can be written next to it."""
+    service.compare()
+    ready = "/api/v1/health/ready"
+
+    def missing() -> list[str]:
+        answer = client.get(ready)
+        return [] if answer.status_code == 200 else [error["field"] for error in answer.json()["errors"]]
+
+    assert missing() == []
+    state = service.app.state
+    with full(state.engine), full(state.door._engine):
+        assert missing() == [], "no write has failed"
+        problem(client.post(FILES, params={"kind": "csv", "name": "a.csv"}, content=LARGE), 503, "no-space")
+        assert missing() == missing() == ["no-space"]
+    with monkeypatch.context() as patched:
+        patched.setattr(tempfile, "TemporaryFile", _refused)
+        assert missing() == ["no-space"]
+    assert missing() == missing() == []
+    with service.engine.connect() as connection:
+        assert not sa.inspect(connection).has_table("space_that_is_tried")
+
+
+def _refused(*_: object, **__: object) -> None:
+    raise OSError(28, "No space left on device")
+
+
 def test_a_command_on_an_unusable_database_ends_with_a_sentence(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

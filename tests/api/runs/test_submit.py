@@ -12,7 +12,7 @@ import yaml
 
 from backend.db.queue import Queue
 from clearance.cli import INTERNAL, INTERRUPTED, WRONG_INPUT, invoke
-from clearance.cli._saved import LIST
+from clearance.cli._exports import LIST
 from tests.given.reported_runs import finish_fully
 from tests.given.service import Service, until
 from tests.given.small_catalogue import campaign

@@ -149,7 +149,7 @@ MAY: dict[str, tuple[str, ...]] = {
         *("clearance.cli", "backend.db", "backend.health.checks", "backend.settings", "worker.engine.kernels.folder"),
     ),
     # Where its process starts.
-    "clearance.__main__": ("clearance.cli", "worker.running.processes.blas", "campaigns.heap"),
+    "clearance.__main__": ("clearance.cli", "clearance.starting", "worker.running.processes.blas", "campaigns.heap"),
     "clearance.function": ("clearance.local", "worker", "campaigns"),
     # It alone writes a report without a service.
     "clearance.function.saving": (

@@ -22,11 +22,13 @@ STARTING = SIMULATING | {"backend/__main__.py", "clearance/__main__.py"}
 
 @pytest.mark.parametrize("file", sorted(STARTING))
 def test_what_starts_a_process_imports_it_before_anything_else(file: str) -> None:
-    """After the files of the code are recorded, where they are; and it ends the interruption once all is imported."""
+    """After the files of the code are recorded, where they are, and the handler of an interrupt installed; it ends
+    the interruption once all is imported."""
     tree = ast.parse((ROOT / file).read_text())
     imports = [n for n in tree.body if isinstance(n, (ast.Import, ast.ImportFrom))]
     names = [f"{getattr(n, 'module', '')} {n.names[0].name}" for n in imports if "__future__" not in ast.unparse(n)]
     first = ["worker.running.runs sources"] if file in SIMULATING else []
+    first += ["clearance starting"] if file.startswith("clearance/") else []
     first += ["worker.running.processes blas"] if not file.startswith("backend/") else []
     assert names[: len(first) + 1] == [*first, "campaigns heap"]
     ends = [n.lineno for n in ast.walk(tree) if isinstance(n, ast.Expr) and ast.unparse(n) == "heap.loaded()"]

@@ -13,6 +13,7 @@ from xml.etree import ElementTree as Xml
 
 import pytest
 
+from campaigns.refusals import RefusalCode
 from campaigns.results import Verdict
 from campaigns.results.verdict import Check
 from campaigns.rules import RULES
@@ -22,6 +23,7 @@ from clearance.cli._junit import junit
 from clearance.cli._markdown import markdown
 from clearance.cli._sarif import lines, sarif, write
 from tests import results
+from tests.given.refused_commands import refused
 
 TEXT = """\
 # Reviewed.
@@ -123,8 +125,8 @@ def test_two_options_with_one_file_are_refused(
     """However its path is written."""
     monkeypatch.chdir(tmp_path)
     Path("folder").mkdir()
-    assert invoke([*command, pair[0], "a.xml", pair[1], "folder/../a.xml"]) == WRONG_INPUT
-    assert "are one file" in " ".join(capsys.readouterr().err.split())
+    files = (pair[0], "a.xml", pair[1], "folder/../a.xml")
+    assert refused(capsys, *command, *files) == RefusalCode.OPTIONS
 
 
 @pytest.mark.parametrize("command", COMMANDS, ids=lambda command: command[0])
@@ -137,8 +139,8 @@ def test_a_file_of_the_job_that_would_be_replaced_by_one_of_the_folder_is_refuse
     local = command[0] == "run"
     names = ("result.json", "trace-F7.csv", "campaign.json") if local else ("report.html", "run.json", "worst-case.svg")
     for number, name in enumerate(names):
-        assert invoke([*command, "--out", f"out{number}", option, f"./out{number}/{name}"]) == WRONG_INPUT
-        assert "saves a file of this name" in " ".join(capsys.readouterr().err.split())
+        files = ("--out", f"out{number}", option, f"./out{number}/{name}")
+        assert refused(capsys, *command, *files) == RefusalCode.OPTIONS
 
 
 def test_a_device_may_be_named_twice(monkeypatch: pytest.MonkeyPatch) -> None:

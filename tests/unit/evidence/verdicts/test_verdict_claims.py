@@ -300,17 +300,16 @@ def test_flights_that_come_no_closer_beyond_the_horizon_are_counted() -> None:
     assert check_of("closest approach", conclusion).text == holds
 
 
-@pytest.mark.parametrize(("cut_short", "fail"), [(0, ""), (1, "; 1 of them fails after it, before 30 s")])
+@pytest.mark.parametrize("cut_short", [0, 1])
 def test_of_a_criterion_without_distances_nothing_is_stated_beyond_what_is_simulated(
-    cut_short: int, fail: str, monkeypatch: pytest.MonkeyPatch
+    cut_short: int, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(encounter, "terms", lambda system: replace(terms(system), followed=False))
     found = check_of("closest approach", concluded(**none_closer(cut_short)))
-    assert (found.ok, found.text) == (
-        True,
-        "the closest approach of nominal and F1 is inside the horizon, and none of 302 flights comes lower when "
-        f"simulated on to 30 s{fail}; nothing is known beyond that",
-    )
+    assert found.ok
+    assert "nothing is known" in found.text
+    assert "extrapolated" not in found.text
+    assert ("1 of them" in found.text) == bool(cut_short)
 
 
 ORBIT = {"centre": {"x": 40.0, "y": 40.0}, "way": 5.0, "phase": 0.0, "speed": 100.0, "radius": 0.1}

@@ -85,7 +85,7 @@ export interface Campaign {
     attraction?: { degree?: Raw } | null
     certify?: { samples?: Raw; quantile?: Raw; keep?: string; until?: string; grid?: { points: Raw } | null } | null
     findings?: { at_most?: Raw; evaluations?: Raw; distance?: Raw; barrier?: Raw }
-    validate?: { tolerance?: Raw; neighbours?: Raw; reach?: Raw }
+    validate?: { tolerance?: Raw; neighbours?: Raw; reach?: Raw; evaluations?: Raw }
   }
   agreement?: Raw
   target_probability?: Raw | null

@@ -160,7 +160,7 @@ def _beyond(record: Record, beyond: Beyond) -> str:
     shown = [many, *(far if measured else [f"nothing is known beyond {beyond.times:g} times the horizon"])]
     fail, on = "fails" if beyond.cut_short == 1 else "fail", ", extrapolated from there" if measured else ""
     shown += [f"{numbers.count(beyond.cut_short)} {fail} after the horizon{on}"] if beyond.cut_short else []
-    shown += [f"lowest: {_later(record, beyond.lowest)}"] if beyond.lowest else []
+    shown += [f"lowest approach after it: {_later(record, beyond.lowest)}"] if beyond.lowest else []
     shown += [f"not known how it moves on: {_later(record, beyond.unknown)}"] if beyond.unknown else []
     return "; ".join(shown)
 

@@ -117,7 +117,7 @@ function Onward({ beyond, measures, ...value }: Value & { beyond: Beyond; measur
         {!measures && (
           <span className="mut">; nothing is known beyond {plain(beyond.times)} times the horizon</span>
         )}
-        {lowest && <span className="mut">; lowest {at(lowest, value)}</span>}
+        {lowest && <span className="mut">; lowest approach after it: {at(lowest, value)}</span>}
         {unknown && <span className="unk-t">; not known how it moves on: {at(unknown, value)}</span>}
       </dd>
     </>

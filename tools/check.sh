@@ -62,6 +62,8 @@ SLOW=(
     tests/unit/engine/stages/test_sensitivity.py
     tests/unit/engine/stages/test_stages.py
     tests/unit/engine/stages/test_warm.py
+    tests/unit/engine/systems/test_ahead.py
+    tests/unit/engine/systems/test_cut_short.py
     tests/unit/engine/systems/test_field.py
     tests/unit/engine/systems/test_trace.py
     tests/unit/evidence/audit/test_audit.py
@@ -70,6 +72,7 @@ SLOW=(
     tests/unit/evidence/audit/test_estimate_forgeries.py
     tests/unit/evidence/audit/test_forged_databases.py
     tests/unit/evidence/audit/test_forgeries.py
+    tests/unit/evidence/audit/test_names_of_parameters.py
     tests/unit/repository/test_compose.py
     tests/unit/repository/test_readme.py
     tests/unit/running/catalogue/test_catalog.py

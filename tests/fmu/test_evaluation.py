@@ -27,7 +27,6 @@ from worker.engine.systems.simulators.declared.simulator import Opening
 from worker.engine.systems.simulators.fmus.simulator import FmuSimulator, FmuUnusable, opened
 from worker.engine.systems.simulators.fmus.taken import NotTaken, Taken
 from worker.evidence.scopes.terms import terms
-from worker.running.catalogue.installed import forget_simulators
 from worker.running.opening.opened import system
 
 
@@ -227,15 +226,6 @@ def test_the_example_from_its_sources_to_a_verdict(tmp_path: Path) -> None:
     assert SCOPE in json.dumps(result)
     repeated = result["findings"][0]["validation"]
     assert repeated["again"]["cost"] == repeated["cost"]
-
-
-@pytest.fixture
-def installed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
-    """The operator's folder, and a catalogue that is read again."""
-    monkeypatch.setenv("CLEARANCE_SIMULATORS", str(tmp_path))
-    forget_simulators()
-    yield tmp_path
-    forget_simulators()
 
 
 CAMPAIGN = {

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -28,7 +27,6 @@ from worker.engine.systems.simulators.fmus.simulator import FmuSimulator, opened
 from worker.evidence.audit import limits
 from worker.evidence.audit.recompute import Run
 from worker.evidence.scopes.simulators import simulator_caveat, words_of
-from worker.running.catalogue.installed import forget_simulators
 from worker.running.runs.store import MemoryStore
 
 LEFT: dict[str, Any] = {name: {} for name in made.VARIED if name != "trouble"}
@@ -105,15 +103,6 @@ def test_a_model_that_refuses_half_the_step_says_so(tmp_path: Path) -> None:
     assert half.cost is None
     assert half.reason.startswith("fmi2DoStep ")
     assert not again.reason
-
-
-@pytest.fixture
-def installed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
-    """The operator's folder, and a catalogue that is read again."""
-    monkeypatch.setenv("CLEARANCE_SIMULATORS", str(tmp_path))
-    forget_simulators()
-    yield tmp_path
-    forget_simulators()
 
 
 def campaign(threshold: float = 1.0, **simulator: Any) -> Campaign:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from functools import cache
+from itertools import product
 from typing import Any
 
 import numpy as np
@@ -12,7 +13,7 @@ from campaigns import library, load_file
 from campaigns.asked.load import load_document
 from campaigns.results.validate import Beyond
 from clearance.testing.problems import Problem
-from tests.given.at_night import nightly_but
+from tests.given.at_night import nightly_but, rows_nightly_but
 from worker.engine.systems import optional
 from worker.engine.systems.closed_loop import beyond
 from worker.engine.systems.closed_loop.trace import Seen
@@ -67,8 +68,13 @@ def passed(time: float, aside: float) -> tuple[float, ...]:
     return x, y, z - aside
 
 
-@pytest.mark.parametrize("criterion", ["separation", "surface_separation"])
-@pytest.mark.parametrize("time", nightly_but((45.0, FAILS - STEP), [45.0, 50.0, 60.0, FAILS - STEP]))
+@pytest.mark.parametrize(
+    ("time", "criterion"),
+    rows_nightly_but(
+        [(45.0, "surface_separation"), (FAILS - STEP, "separation")],
+        product((45.0, 50.0, 60.0, FAILS - STEP), KNOWN),
+    ),
+)
 def test_what_a_flight_meets_before_it_fails_counts(time: float, criterion: str) -> None:
     shown = found(problem(passed(time, 3.0), criterion), known=KNOWN[criterion])
     assert (shown.closer, shown.cut_short) == (1, 1)
@@ -122,8 +128,13 @@ def test_flights_that_fail_at_different_steps_meet_what_each_meets_alone(
     assert together.lowest == lowest.model_copy(update={"name": together.lowest.name if together.lowest else ""})
 
 
-@pytest.mark.parametrize("aside", nightly_but((5.0, 60.0), [5.0, 7.9, 8.1, 9.9, 10.1, 24.9, 25.1, 27.0, 60.0]))
-@pytest.mark.parametrize("criterion", ["separation", "surface_separation"])
+@pytest.mark.parametrize(
+    ("aside", "criterion"),
+    rows_nightly_but(
+        [(5.0, "separation"), (60.0, "separation")],
+        product((5.0, 7.9, 8.1, 9.9, 10.1, 24.9, 25.1, 27.0, 60.0), KNOWN),
+    ),
+)
 def test_what_is_not_simulated_again_stays_away(aside: float, criterion: str, monkeypatch: pytest.MonkeyPatch) -> None:
     """The samples exclude nothing that the loop finds, and spare it flights that stay away."""
     made, away, outcomes = problem(passed(55.0, aside), criterion), beyond._away, list[bool]()

@@ -162,6 +162,7 @@ CLASSES = (
     Class("Health", "Health", "status"),
     Class("ProblemOut", "FieldProblem", "field given message"),
     Class("PredictedBound", "PredictedBound", "statement warning"),
+    Class("Foreseen", "Foreseen", "code statement"),
     Class("Checked", "Checked", "ok digest problems"),
     Class("ExportFile", "ExportFile", "name title media_type href unavailable"),
     Class("StageProgress", "StageProgress", "position kind method state planned evaluations failed best seconds"),

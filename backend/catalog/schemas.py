@@ -106,6 +106,14 @@ class PredictedBound(Schema):
     """That it is above what the campaign requires, and what to do, a sentence; null if it is not."""
 
 
+class Foreseen(Schema):
+    """A check of the verdict that cannot hold, whatever the run finds."""
+
+    code: str
+    statement: str
+    """Why the campaign cannot be cleared, and what to do, a sentence."""
+
+
 class Checked(Schema):
     """A checked campaign: its parsed form, or its errors."""
 
@@ -125,3 +133,5 @@ class Checked(Schema):
     """None if the campaign cannot be run."""
     predicted_bound: PredictedBound | None = None
     """Null if the campaign cannot be run, or has no sample that is known to give one."""
+    foreseen: list[Foreseen] = Field(default_factory=list)
+    """What bars "cleared" whatever the run finds; empty if nothing does, or if the campaign cannot be run."""

@@ -13,7 +13,7 @@ from pydantic import ValidationError
 
 from backend.catalog.estimate import estimate
 from backend.catalog.pace import Pace
-from backend.catalog.schemas import Checked, CheckedParameter, LibraryCampaign, PredictedBound, ProblemOut
+from backend.catalog.schemas import Checked, CheckedParameter, Foreseen, LibraryCampaign, PredictedBound, ProblemOut
 from backend.db import snapshots
 from backend.db.tables import CatalogueDocument
 from backend.http.errors import RefusedError, not_found
@@ -22,6 +22,7 @@ from campaigns import Campaign, CampaignError, Catalogue, Problem, check, librar
 from campaigns.asked.text import readable_yaml
 from campaigns.checked import prediction
 from campaigns.checked.check import parameters
+from campaigns.checked.foreseen import foreseen
 from campaigns.results.drawn import library_flights
 from campaigns.runs import run_name
 from campaigns.stages.plan import most
@@ -169,6 +170,9 @@ def checked(reader: sa.Connection, campaign: Campaign | CampaignError) -> Checke
         seconds=pace.whole(evaluations),
         estimate=None if problems else estimate(reader, campaign, catalogue, pace),
         predicted_bound=None if problems else _predicted(campaign, catalogue),
+        foreseen=[]
+        if problems
+        else [Foreseen(code=each.code, statement=each.statement) for each in foreseen(campaign, catalogue)],
     )
 
 

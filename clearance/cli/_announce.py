@@ -1,4 +1,5 @@
-"""What a run takes at most, announced by `clearance run`; of a measured simulator the expected time as well."""
+"""What a run takes at most, and what bars "cleared", announced by `clearance run`; of a measured simulator the expected
+time as well."""
 
 from __future__ import annotations
 
@@ -18,16 +19,20 @@ PATIENCE = "2"
 
 
 def announce(campaign: Campaign, data: Path, database: str) -> None:
-    """Print the bound of the run on standard error.
+    """Print the bound of the run on standard error, and what bars "cleared" whatever the run finds.
 
     Of a simulator of which the database has a measurement as it is now, the time as well, and where it is known from.
     """
     from campaigns.checked.expected import at_most
+    from campaigns.checked.foreseen import foreseen
     from campaigns.stages.plan import most
+    from worker.running.catalogue.installed import catalogue
 
     bound, found = at_most(campaign, most(campaign)), _measured(campaign, data, database)
     time = "." if found is None else f"; {_time(campaign, *found)}"
     typer.echo(f"{bound}{time}", err=True)
+    for each in foreseen(campaign, catalogue()):
+        typer.echo(f"Warning: {each.statement}", err=True)
 
 
 def _time(campaign: Campaign, cost: Cost, halved: bool, installed: Catalogue) -> str:

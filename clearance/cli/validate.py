@@ -67,6 +67,7 @@ def validate(
 def _here(file: Path, normal: bool, allow_code: bool) -> None:
     from campaigns import CampaignError, check
     from campaigns.checked import prediction
+    from campaigns.checked.foreseen import foreseen
     from worker.running.catalogue.installed import catalogue
 
     campaign, known = code.read(file, allow_code), catalogue()
@@ -81,7 +82,9 @@ def _here(file: Path, normal: bool, allow_code: bool) -> None:
     _print_usable(file, campaign, "here")
     best = prediction.predicted(campaign, known)
     if best is not None:
-        _print_bound(best.statement, prediction.warning(best, campaign))
+        typer.echo(best.statement)
+    for each in foreseen(campaign, known):
+        typer.echo(f"Warning: {each.statement}", err=True)
 
 
 def _by_service(file: Path, service: str, token_file: str, patience: float) -> None:
@@ -100,8 +103,13 @@ def _by_service(file: Path, service: str, token_file: str, patience: float) -> N
             f"{campaign.digest[:16]}): it is of another version; use the command line of its version"
         )
     _print_usable(file, campaign, f"by {service}")
-    if found.predicted_bound is not None:
-        _print_bound(found.predicted_bound.statement, found.predicted_bound.warning)
+    bound = found.predicted_bound
+    if bound is not None:
+        typer.echo(bound.statement)
+    # A service of an earlier version knows the bound alone.
+    of_bound = [bound.warning] if bound is not None and bound.warning is not None else []
+    for statement in [each.statement for each in found.foreseen] or of_bound:
+        typer.echo(f"Warning: {statement}", err=True)
 
 
 def _print_usable(file: Path, campaign: Campaign, where: str) -> None:
@@ -118,9 +126,3 @@ def _print_usable(file: Path, campaign: Campaign, where: str) -> None:
         shorter = fewer(campaign, stage.kind)
         when = ", which computes without them" if stage.kind in computes else f"; {shorter.when}" if shorter else ""
         typer.echo(f"  {stage.kind}{f' by {stage.method}' if stage.method else ''}: {stage.stored:,}{again}{when}")
-
-
-def _print_bound(statement: str, warning: str | None) -> None:
-    typer.echo(statement)
-    if warning is not None:
-        typer.echo(f"Warning: {warning}", err=True)

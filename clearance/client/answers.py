@@ -42,6 +42,14 @@ class PredictedBound(Answer):
     """That it is above what the campaign requires, and what to do, a sentence; None if it is not."""
 
 
+class Foreseen(Answer):
+    """A check of the verdict that cannot hold, whatever the run finds."""
+
+    code: str
+    statement: str
+    """Why the campaign cannot be cleared, and what to do, a sentence."""
+
+
 class Checked(Answer):
     """A checked campaign: its parsed form, or its errors."""
 
@@ -58,6 +66,8 @@ class Checked(Answer):
     """
     predicted_bound: PredictedBound | None = None
     """None if the campaign cannot be run, or has no sample that is known to give one."""
+    foreseen: list[Foreseen] = []
+    """What bars "cleared" whatever the run finds; empty if nothing does, or if the campaign cannot be run."""
 
 
 class ExportFile(Answer):

@@ -22,6 +22,7 @@ from backend.db.queue import Queue, submit
 from backend.db.store import RunStore
 from campaigns import Campaign
 from campaigns.asked.load import load_document
+from campaigns.checked import turning
 from campaigns.claims.spans import words
 from campaigns.documents import digest_of
 from campaigns.results.base import FAILED, OK
@@ -39,7 +40,6 @@ from worker.engine.stages.parts import offered
 from worker.evidence.audit.judge import Item
 from worker.evidence.audit.record import of_folder
 from worker.evidence.audit.sentences import SPANS
-from worker.evidence.scopes import rates
 from worker.running.catalogue.installed import catalogue
 from worker.running.runs import identity
 from worker.running.runs.audited import audited
@@ -210,7 +210,7 @@ def ran(name: str) -> tuple[Campaign, MemoryStore]:
     with pytest.MonkeyPatch.context() as patch:
         in_a_second(patch)
         if name in FORGED:
-            patch.setattr(rates, "unfollowed", lambda *_: ())
+            patch.setattr(turning, "unfollowed", lambda *_: ())
         conclusion = execute(campaign, store, threads=1)
     assert conclusion.verdict == VERDICTS.get(name, name), conclusion.reason
     return campaign, store

@@ -109,12 +109,12 @@ export function Estimate({ checked, campaign }: EstimateProps) {
         {estimate && thinned(`${estimate.statement} ${estimate.time_statement} `)}
         {bound && thinned(bound.statement)}
       </p>
-      {bound?.warning && (
-        <p className={clsx(cards.note, cards.warn)} role="note" style={{ marginTop: 12 }}>
+      {checked?.foreseen?.map(({ statement }) => (
+        <p key={statement} className={clsx(cards.note, cards.warn)} role="note" style={{ marginTop: 12 }}>
           <IconAlertTriangle className="i" aria-hidden />
-          <span>{thinned(bound.warning)}</span>
+          <span>{thinned(statement)}</span>
         </p>
-      )}
+      ))}
     </Card>
   )
 }

@@ -83,8 +83,8 @@ it.each(['certify', 'certify_stated', 'search'] as const)('states what a bound r
 })
 
 it('predicts the bound, what it rests on and what is out of reach before the launch, as the check answers', () => {
-  const predicted = (predicted_bound: Checked['predicted_bound']) =>
-    renderToStaticMarkup(<Estimate checked={{ estimate: null, predicted_bound } as Checked} campaign={asCampaign(RUN.campaign)} />)
+  const predicted = (predicted_bound: Checked['predicted_bound'], foreseen: Checked['foreseen'] = []) =>
+    renderToStaticMarkup(<Estimate checked={{ estimate: null, predicted_bound, foreseen } as Checked} campaign={asCampaign(RUN.campaign)} />)
   const of = { samples: 1300, outside: 0, upper_bound: 0.00994, statement: 'None of the 1,300 samples violates.', warning: null }
   for (const source of ['certify', 'search'] as const) {
     const html = predicted({ ...of, source })
@@ -92,7 +92,7 @@ it('predicts the bound, what it rests on and what is out of reach before the lau
     for (const words of ['0.994 %', '1 300 samples']) expect(text(html).replaceAll('\u202f', ' ')).toContain(words)
     expect(html).not.toContain('role="note"')
   }
-  const warned = predicted({ ...of, source: 'certify', warning: 'The target cannot be met.' })
+  const warned = predicted({ ...of, source: 'certify' }, [{ code: 'target', statement: 'The target cannot be met.' }])
   expect(warned).toMatch(/role="note".*The target cannot be met\./)
   expect(text(predicted(null))).not.toContain('Bound')
 })

@@ -16,6 +16,7 @@ from campaigns.asked.load import load_document
 from campaigns.asked.proposal import RETRIED, Cost
 from campaigns.checked import prediction
 from campaigns.checked.expected import expected, fewer, total
+from campaigns.checked.foreseen import foreseen
 from campaigns.stages.attraction import AttractionResult
 from campaigns.stages.found import declared
 from campaigns.stages.plan import most
@@ -85,6 +86,22 @@ def test_of_a_campaign_that_has_run_it_is_what_that_run_had(service: Service, cl
 def test_a_campaign_with_problems_has_none(service: Service, client: httpx.Client) -> None:
     wrong = campaign(criterion={"component": "unknown", "threshold": 1})
     assert client.post("/api/v1/campaigns/check", json={"campaign": wrong}).json()["estimate"] is None
+
+
+def test_what_bars_cleared_is_stated_before_the_run(service: Service, client: httpx.Client) -> None:
+    few = [{"method": "direct", "evaluations": 10}]
+    for changes, codes in (
+        ({}, ["agreement"]),
+        ({"stages": {"search": few, "certify": None}}, ["agreement", "sample"]),
+        ({"target_probability": 1e-5}, ["agreement", "target"]),
+    ):
+        document = campaign(**changes)
+        checked = client.post("/api/v1/campaigns/check", json={"campaign": document}).json()
+        expected = foreseen(load_document(document), CATALOGUE)
+        assert checked["foreseen"] == [{"code": each.code, "statement": each.statement} for each in expected]
+        assert [each.code.value for each in expected] == codes
+    wrong = campaign(criterion={"component": "unknown", "threshold": 1})
+    assert client.post("/api/v1/campaigns/check", json={"campaign": wrong}).json()["foreseen"] == []
 
 
 def predicted(client: httpx.Client, **changes: Any) -> tuple[list[str], dict[str, Any] | None]:

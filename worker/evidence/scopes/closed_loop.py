@@ -7,12 +7,12 @@ from __future__ import annotations
 
 from campaigns import Campaign, Catalogue
 from campaigns.catalogue import Role
+from campaigns.checked import distances, turning
 from campaigns.checked.check import seeded
 from campaigns.claims.say import count, limit, listed, say
 from campaigns.claims.spans import Spans
 from campaigns.claims.terms import Condition, Scope, Words
 from campaigns.codes import CheckCode
-from worker.evidence.scopes import distances, rates
 from worker.evidence.scopes.base import Terms
 
 
@@ -21,7 +21,7 @@ def described(campaign: Campaign, catalogue: Catalogue, integrator: str) -> Term
     criterion = catalogue.component("criterion", campaign.criterion.component)
     near: tuple[Condition, ...] = ("closest approach",) if criterion and criterion.of == "obstacles" else ()
     reasons = {
-        CheckCode.SAMPLING: rates.unfollowed(campaign, catalogue),
+        CheckCode.SAMPLING: turning.unfollowed(campaign, catalogue),
         CheckCode.DISTANCES: distances.overlooked(campaign, catalogue),
     }
     return Terms(

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from campaigns import rules
 from campaigns.asked.sample_bound import needed
+from campaigns.checked.foreseen import MEAN
 from campaigns.claims.say import amount, at_most, count, goal, listed, percent, say
 from campaigns.claims.say import probability as share
 from campaigns.claims.spans import Spans
@@ -65,8 +66,7 @@ def _noise(problem: Problem, evidence: Evidence) -> list[Check]:
         return []
     seeds = listed([str(seed) for seed in realised.seeds])
     if realised.several and realised.combine == "mean":
-        hides = "every evaluation is the mean over noise realisations, which can hide a violation in one of them; "
-        return [check(code, False, hides, "set combine to worst")]
+        return [check(code, False, MEAN)]
     sample = evidence.sample
     if sample is None or sample.noise != "drawn":
         only = ("only the noise realisations with seeds ", seeds, " were simulated; ")

@@ -12,12 +12,12 @@ from campaigns import Campaign, Catalogue, check, library, load_file
 from campaigns.asked.load import load_document
 from campaigns.asked.text import to_yaml
 from campaigns.checked.check import simulation_problems
+from campaigns.checked.distances import clause, overlooked
 from campaigns.claims.spans import words
 from clearance.cli import invoke
 from clearance.testing.problems import Problem
 from tests.given.case_campaigns import campaign, document
 from tests.given.stated_facts import facts
-from worker.evidence.scopes.distances import clause, overlooked
 from worker.running.catalogue.installed import catalogue
 from worker.running.runs.continuation import Budget, CannotContinue, continued
 

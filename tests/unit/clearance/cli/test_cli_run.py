@@ -22,6 +22,7 @@ from campaigns.asked.load import load_document
 from campaigns.asked.proposal import RETRIED
 from campaigns.checked import prediction
 from campaigns.checked.expected import fewer
+from campaigns.checked.foreseen import foreseen
 from campaigns.claims.numbers import count
 from campaigns.refusals import RefusalCode
 from campaigns.stages.plan import most
@@ -156,7 +157,9 @@ def test_validate_states_the_bound_that_the_sample_can_show_and_warns_where_that
         assert invoke(["validate", file(made)]) == 0
         out, err = capsys.readouterr()
         assert out.splitlines()[-1] == best.statement
-        assert err == (f"Warning: {prediction.warning(best, made)}\n" if warns else "")
+        stated = [f"Warning: {each.statement}\n" for each in foreseen(made, catalogue())]
+        assert err == "".join(stated)
+        assert bool(stated) == warns
 
 
 def violating() -> Campaign:

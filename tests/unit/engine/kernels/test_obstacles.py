@@ -8,12 +8,12 @@ from typing import Any
 
 import pytest
 
+from campaigns.checked.turning import unfollowed
 from campaigns.claims.spans import words
 from tests.given.case_campaigns import campaign
 from worker.engine.components.obstacles import circle, cooperative_circle
 from worker.engine.kernels.component import Obstacle
 from worker.engine.kernels.maths import kernel
-from worker.evidence.scopes.rates import unfollowed
 from worker.running.catalogue.entries import component_entry
 from worker.running.catalogue.installed import catalogue
 

@@ -43,7 +43,10 @@ violations to estimate from; since which a sample of which all were drawn did no
 HALVED = 14
 """The version since which FMUs are confirmed at half the communication step, and what repeats is not cleared by several
 calls where single ones would be confirmed so."""
-RULES = max(BASINS, BASELINES, BESIDE, ROUNDED, TAILS, LOWEST, SHARED, CALLED, AFTER, VIOLATING, WHOLE, HALVED)
+WIDER = 15
+"""The version since which more is looked at: flights of all stages after the horizon; for an estimate every violation
+of the independent sample; for a change the costs that are compared alone, not the nominal one."""
+RULES = max(BASINS, BASELINES, BESIDE, ROUNDED, TAILS, LOWEST, SHARED, CALLED, AFTER, VIOLATING, WHOLE, HALVED, WIDER)
 """The version since which the rules are those of today."""
 POINTS, TIMES = 5, 3
 """Of a simulator: how many points are evaluated to measure whether it repeats, and how often each."""

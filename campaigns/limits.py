@@ -26,6 +26,7 @@ confidence of 95 %. Drawn where a campaign states none: so many of a simulator, 
 TURN = 0.7853981633974483
 """pi/4: what turns further within a step can be at the same place at every sample."""
 CONTINUED = 2
+OTHERS = 1000
 """Flights are simulated on to this multiple of the horizon, to see whether an encounter lies beyond it."""
 DRAWS = 2
 """The largest number of draws, including excluded ones, per requested sample: limits scenarios that rarely hold."""

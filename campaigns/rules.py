@@ -61,6 +61,7 @@ EXCLUDED = Limit(0.1, "fraction of the draws, or of all evaluations, that may be
 SAMPLE = Limit(limits.SAMPLE, "random samples, independent of every search", "bounds P(violation) at 5 %, at 95 %")
 TURN = Limit(limits.TURN, "angle by which an obstacle may turn within a step [rad]: pi/4", "aliasing")
 CONTINUED = Limit(limits.CONTINUED, "multiple of the horizon to which flights are simulated on", CONVENTION)
+OTHERS = Limit(limits.OTHERS, "evaluations besides the independent sample that are simulated on, at most", EFFORT)
 DRAWS = Limit(limits.DRAWS, "draws for each requested sample, excluded ones included, at most", EFFORT)
 CEILING = Limit(0.05, "bound on P(violation) that a campaign without a target must meet", CONVENTION)
 CONFIDENCE = Limit(limits.CONFIDENCE, "confidence of the bounds", USUAL)
@@ -204,8 +205,9 @@ RULES = (
     Rule(
         CheckCode.CLOSEST_APPROACH,
         "Closest approach",
-        "The closest approach of the nominal case and of every finding is inside the horizon, and neither they nor any "
-        "stored flight of the independent sample come closer than any evaluation when simulated on to "
+        "The closest approach of the nominal case and of every finding is inside the horizon, and neither they, nor "
+        f"any stored flight of the independent sample, nor {OTHERS.value:,} other evaluations, spread over the bounds, "
+        "come closer than any evaluation when simulated on to "
         f"{CONTINUED.value:g} times the horizon, or until they fail, and extrapolated from there. An obstacle whose "
         "further motion is not known, because it has states or neither repeats its path nor ends it, is then at rest "
         "or moves away at a constant velocity.",

@@ -158,6 +158,11 @@ def _beyond(record: Record, beyond: Beyond) -> str:
     measured = _measured(record)
     far = [] if beyond.lowest or beyond.unknown else [FAR]
     shown = [many, *(far if measured else [f"nothing is known beyond {beyond.times:g} times the horizon"])]
+    shown += (
+        [f"{numbers.count(beyond.not_continued)} evaluations at most were not simulated on"]
+        if beyond.not_continued
+        else []
+    )
     fail, on = "fails" if beyond.cut_short == 1 else "fail", ", extrapolated from there" if measured else ""
     shown += [f"{numbers.count(beyond.cut_short)} {fail} after the horizon{on}"] if beyond.cut_short else []
     shown += [f"lowest approach after it: {_later(record, beyond.lowest)}"] if beyond.lowest else []

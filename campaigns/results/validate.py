@@ -165,7 +165,10 @@ class Beyond(Result):
     times: float
     """They are simulated on to this multiple of the horizon, or until they fail, and extrapolated from there."""
     flights: int
-    """The nominal case, the findings and the sample, under each of their noise realisations."""
+    """The nominal case, the findings, the sample and others, under each of their noise realisations."""
+    not_continued: Annotated[int | None, UNLESS_NONE] = None
+    """How many evaluations with a value are not simulated on; omitted in results of earlier versions, which simulated
+    only the nominal case, the findings and the sample on."""
     cut_short: Annotated[int | None, UNLESS_NONE] = None
     """How many of them fail after the horizon, and before that multiple; they are extrapolated from their last step.
     Omitted in results of earlier versions, which may not have counted what was simulated before the failure."""

@@ -9,7 +9,7 @@ from __future__ import annotations
 from typing import NamedTuple
 
 from campaigns.asked.spec import Campaign
-from campaigns.limits import DRAWS
+from campaigns.limits import DRAWS, OTHERS
 from campaigns.stages.found import StageKind, declared
 
 
@@ -57,10 +57,17 @@ def left(kind: str, planned: int, evaluations: int, excluded: int) -> int:
 def bound(campaign: Campaign) -> list[Bounded]:
     """What each stage takes at most, in their order."""
     kinds = declared()
-    return [
+    found = [
         Bounded(s.kind, s.method, kinds[s.kind].most(campaign, s.planned), kinds[s.kind].again(campaign))
         for s in plan(campaign)
     ]
+    return [s._replace(again=s.again + onward(found, campaign)) if kinds[s.kind].of_findings else s for s in found]
+
+
+def onward(stages: list[Bounded], campaign: Campaign) -> int:
+    """The evaluations of a closed loop besides the sample that are simulated on beyond the horizon, at most."""
+    others = sum(s.stored for s in stages if not declared()[s.kind].independent)
+    return 0 if campaign.scenario is None else min(OTHERS, others)
 
 
 def most(campaign: Campaign) -> int:

@@ -268,14 +268,18 @@ def _without_a_stage(folder: Folder) -> None:
     before, total = counts["stored"], counts["stored"] - gone
     counts |= {"stored": total, "succeeded": total}
     last["encounter"]["spread"]["evaluations"] = total
+    beyond = last["encounter"]["beyond"]
+    now = {before: total, beyond["flights"]: beyond["flights"] - gone}
+    beyond["flights"] -= gone
     folder.lie("evaluations", float(total))
     folder.result["values"]["evaluations"] = float(total)
     folder.result["sentence"] = folder.result["reason"].partition(" Scope: ")[0]
     for check in folder.result["checks"]:
         for span in check["statement"]:
-            if span.get("value") == before:
-                span["value"] = float(total)
-                check["values"][span["name"]] = float(total)
+            if span.get("value") in now:
+                span["value"] = float(now[span["value"]])
+                if span["name"]:
+                    check["values"][span["name"]] = span["value"]
         check["text"] = words(SPANS.validate_python(check["statement"]))
     table = folder.path / "evaluations.csv"
     header, *rows = table.read_text(encoding="utf-8").splitlines()

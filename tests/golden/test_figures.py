@@ -53,6 +53,10 @@ def test_evaluations_and_worst_case_of_jsbsim() -> None:
 
 
 def test_the_area_that_is_proved() -> None:
-    share, area = numbers(r"attraction`\): ([\d.]+) % of the simulated area, ([\d.]+), at degree 6", "methods.md")
+    """Of OpenBLAS's kernels that for Sandy Bridge gives the least, those for Haswell and Zen the most."""
+    pattern = r"attraction`\): ([\d.]+) to ([\d.]+) % of the simulated area, ([\d.]+), at degree 6"
+    least, most, area = numbers(pattern, "methods.md")
     assert simulated() == pytest.approx(area, abs=1e-3)
-    assert proved(6) == pytest.approx(share / 100 * area, rel=2e-3)
+    found = proved(6)
+    assert found is not None
+    assert (least - 0.05) / 100 * area <= found <= (most + 0.05) / 100 * area

@@ -103,6 +103,8 @@ def _over(run: Run) -> bool:
     low = run.lowest - limits.ROUNDING * max(abs(run.lowest), abs(run.threshold))
     if run.wording >= limits.AFTER and not _counted(beyond):
         return False
+    if run.wording >= limits.WIDER and not isinstance(beyond.get("not_continued"), int):
+        return False
     above = beyond["lowest"] is None or beyond["lowest"]["value"] >= low
     return not beyond["closer"] and above and beyond.get("unknown") is None
 

@@ -23,7 +23,7 @@ ORDER = (
     "exclusions", "sample", "outside the bounds", "probability", "target",
 )  # fmt: skip
 """Of the checks of a verdict."""
-TURN, CONTINUED = math.pi / 4, 2
+TURN, CONTINUED, OTHERS = math.pi / 4, 2, 1000
 DRAWS = 2
 OF_VIOLATIONS = ("nominal", "no violation", "noise of calls", "probability", "target")
 """Checks that violations alone can make fail."""

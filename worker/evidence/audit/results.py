@@ -85,7 +85,10 @@ def validated(run: Run, at_most: int, spot_checks: int) -> forms.ValidateResult:
     if stated["encounter"].get("beyond") is not None or (run.whole and near(run) and len(run.costs)):
         flights, beyond = _continued(run), stated["encounter"].get("beyond") or {}
         failed = OMIT if run.wording < limits.AFTER else min(max(beyond.get("cut_short") or 0, 0), flights)
-        beyond = made(forms.Beyond, times=limits.CONTINUED, flights=flights, cut_short=failed, **REST)
+        left = OMIT if run.wording < limits.WIDER and "not_continued" not in beyond else _others(run)[1]
+        beyond = made(
+            forms.Beyond, times=limits.CONTINUED, flights=flights, cut_short=failed, not_continued=left, **REST
+        )
     checked = min(stored, at_most) - out.get("violations", 0), min(spot_checks, len(run.costs))
     by_stage = [made(forms.StageCount, position=k, count=n) for k, n in enumerate(run.below) if n]
     findings, spent, tolerance = OMIT, OMIT, OMIT
@@ -163,7 +166,20 @@ def _continued(run: Run) -> int:
     for k in (k for k, planned in enumerate(run.plan) if planned.kind == "certify"):
         succeeded, drawn = run.status[run.stage == k] == OK, run.claims["results"][k]["drawn_realisations"]
         total += int(succeeded[:drawn].sum()) + each * int(succeeded[drawn:].sum())
-    return total
+    return total + each * _others(run)[0]
+
+
+def _others(run: Run) -> tuple[int, int]:
+    """How many evaluations with a value besides the sample are simulated on, and how many are not: stored ones, and
+    those of a sample that are counted only. Versions before simulated none of them on, and do not state this."""
+    beyond = run.claims["results"][-1]["encounter"].get("beyond") or {}
+    if run.wording < limits.WIDER and "not_continued" not in beyond:
+        return 0, 0
+    certify = [k for k, planned in enumerate(run.plan) if planned.kind == "certify"]
+    stored = int(((run.status == OK) & ~np.isin(run.stage, certify)).sum())
+    counted = [run.counted[k].beside for k in certify if k in run.counted]
+    some = min(limits.OTHERS, stored)
+    return some, stored - some + sum(each.evaluations - each.failed - each.excluded for each in counted)
 
 
 def _stage(run: Run, k: int) -> Result:

@@ -52,7 +52,9 @@ def _scope(campaign: Campaign, catalogue: Catalogue) -> Scope:
     ]
     titles = ", ".join(_title(catalogue, *part) for part in parts)
     what = f"{titles}, {obstacles} {'obstacle' if obstacles == 1 else 'obstacles'}"
-    settings = say("horizon ", limit(scenario.horizon, "s"), ", step ", limit(scenario.step, "s"))
+    criterion = catalogue.component("criterion", campaign.criterion.component)
+    later = "" if criterion is None or criterion.of == "obstacles" else ", beyond which nothing is known"
+    settings = say("horizon ", limit(scenario.horizon, "s"), later, ", step ", limit(scenario.step, "s"))
     measured = distances.clause(campaign, catalogue)
     return Scope(
         what=say(what, _conditions(campaign, catalogue)),

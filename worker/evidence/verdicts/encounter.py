@@ -93,11 +93,19 @@ def _closest(problem: Problem, evidence: Evidence) -> Condition | None:
     if beyond is None:
         return True, statement
     fail = say("; ", _fail(problem, beyond)) if beyond.cut_short else ()
-    statement = say(statement, ", and none of ", count(beyond.flights), " flights comes ")
+    flights = say(count(beyond.flights), " flight" if beyond.flights == 1 else " flights", _not_continued(beyond))
+    statement = say(statement, ", and none of ", flights, " comes ")
     if terms(problem.system).followed:
         return True, say(statement, "closer beyond it", say(fail, ", extrapolated from there") if fail else "")
     until = number(beyond.times * problem.campaign.given_scenario.horizon, "s", "until")
     return True, say(statement, "lower when simulated on to ", until, fail, "; nothing is known beyond that")
+
+
+def _not_continued(beyond: Beyond) -> Spans:
+    """How many evaluations are not simulated on; the nominal case and the findings may be among them, and are."""
+    if not beyond.not_continued:
+        return ()
+    return say(" (of all but at most ", count(beyond.not_continued), " evaluations)")
 
 
 def _fail(problem: Problem, beyond: Beyond) -> Spans:

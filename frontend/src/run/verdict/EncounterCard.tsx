@@ -100,7 +100,7 @@ interface Value {
 
 /** measures: whether the criterion is one of distances, without which nothing is extrapolated. */
 function Onward({ beyond, measures, ...value }: Value & { beyond: Beyond; measures: boolean }) {
-  const { closer, cut_short: failed, flights, lowest, unknown } = beyond
+  const { closer, cut_short: failed, flights, not_continued, lowest, unknown } = beyond
   return (
     <>
       <dt>Beyond the horizon</dt>
@@ -108,6 +108,7 @@ function Onward({ beyond, measures, ...value }: Value & { beyond: Beyond; measur
         <span className={closer ? 'unk-t' : undefined}>
           {count(closer)} of {count(flights)} flights come closer
         </span>
+        {not_continued ? <span className="mut">; {count(not_continued)} evaluations at most were not simulated on</span> : null}
         {failed ? (
           <span className="mut">
             ; {count(failed)} {failed === 1 ? 'fails' : 'fail'} after the horizon

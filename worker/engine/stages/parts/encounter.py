@@ -1,8 +1,8 @@
 """Encounter: evidence that the avoidance was tested at all, as values; the verdict draws the conclusions.
 
-The evidence: when the closest approach of the nominal case and the findings took place, what they and the sample meet
-beyond the horizon, how far the vehicle moved, the nominal case with an avoider that sees no obstacle (if the system
-supports these), and the effect of each uncertain parameter on the criterion.
+The evidence: when the closest approach of the nominal case and the findings took place, what they, the sample and
+other evaluations meet beyond the horizon, how far the vehicle moved, the nominal case with an avoider that sees no
+obstacle (if the system supports these), and the effect of each uncertain parameter on the criterion.
 """
 
 from __future__ import annotations
@@ -11,16 +11,21 @@ from collections.abc import Iterable, Sequence
 
 import numpy as np
 
-from campaigns.limits import ROUNDING
+from campaigns.limits import OTHERS, ROUNDING
 from campaigns.results.base import OK, Status
 from campaigns.results.finding import ClosestApproach, Finding
 from campaigns.results.slices import Curve
 from campaigns.results.validate import Beyond, Encounter, Spread
+from campaigns.stages.found import declared
 from campaigns.stored.records import Trace
 from worker.engine.stages.parts.base import all_columns
 from worker.engine.stages.parts.context import Cancelled, Context
 from worker.engine.stages.parts.seeds import drawn
 from worker.engine.systems import optional
+from worker.engine.systems.base import Floats
+
+MOST = 100_000
+"""Of more points only every second, third and so on is looked at."""
 
 
 def encounter(
@@ -36,12 +41,12 @@ def encounter(
         spread=spread,
         influence=influence(curves),
         no_value=no_value(curves),
-        beyond=None if spread.lowest is None else _beyond(context, findings, spread.lowest),
+        beyond=None if spread.lowest is None else _beyond(context, position, findings, spread.lowest),
     )
 
 
-def _beyond(context: Context, findings: Sequence[Finding], lowest: float) -> Beyond | None:
-    """What the nominal case, the findings and every evaluation of the sample meet after the horizon."""
+def _beyond(context: Context, position: int, findings: Sequence[Finding], lowest: float) -> Beyond | None:
+    """What the nominal case, the findings, every evaluation of the sample and others meet after the horizon."""
     problem = context.problem
     certified = [at for at, result in context.results.items() if result.certificate is not None]
     own = {at: seeds for at, _, seeds in drawn(context, certified)}
@@ -53,12 +58,60 @@ def _beyond(context: Context, findings: Sequence[Finding], lowest: float) -> Bey
         names += [f"evaluation {i} of the sample" for i in succeeded]
         points += [*columns.points[succeeded]]
         realised += [int(own[at][i]) if i < len(own.get(at, ())) else None for i in succeeded]
+    others, left_out = _others(context, position, certified)
+    names += [name for name, _ in others]
+    points += [point for _, point in others]
+    realised += [None] * len(others)
     below = lowest - ROUNDING * max(abs(lowest), abs(problem.threshold))
     vectors = problem.vectors(np.array(points))
     found = optional.beyond(problem.system, names, vectors, realised, below, context.cancelled)
     if context.cancelled():
         raise Cancelled
-    return found
+    return (
+        None if found is None else found.model_copy(update={"not_continued": left_out + _uncounted(context, certified)})
+    )
+
+
+def _others(context: Context, position: int, certified: Sequence[int]) -> tuple[list[tuple[str, Floats]], int]:
+    """Evaluations besides the sample, with their names, and how many are left out. A search looks for what is lowest
+    within the horizon, and the sample where its distribution is; so those are chosen that are far from each other."""
+    elsewhere = [at for at in range(position + 1) if at not in certified]
+    named, points = list[tuple[int, int]](), [np.empty((0, len(context.problem.nominal_point)))]
+    for at, columns in all_columns(context, elsewhere):
+        succeeded = np.flatnonzero(columns.status == OK)
+        named += [(at, int(i)) for i in succeeded]
+        points.append(columns.points[succeeded])
+    every = np.concatenate(points)
+    chosen = apart(every, OTHERS)
+    return [(_named(context, *named[k]), every[k]) for k in chosen], len(every) - len(chosen)
+
+
+def _named(context: Context, position: int, index: int) -> str:
+    """The words for an evaluation."""
+    result = context.results.get(position)
+    title = getattr(result, "title", "") or declared()[context.plan[position].kind].title.lower()
+    return f"evaluation {index} of {title}"
+
+
+def _uncounted(context: Context, certified: Sequence[int]) -> int:
+    """The evaluations of the sample with a value that are only counted, and not stored."""
+    beside = (context.results[at].beside for at in certified)
+    return sum(each.evaluations - each.failed - each.excluded for each in beside)
+
+
+def apart(points: Floats, count: int) -> list[int]:
+    """The indices of at most so many of the points (n, d), in order. Each is as far as possible from those that are
+    chosen before it, so that the ends of the bounds come first."""
+    if len(points) <= count:
+        return [*range(len(points))]
+    every = -(-len(points) // MOST)
+    some, chosen = points[::every], [0]
+    nearest = np.full(len(some), np.inf)
+    while len(chosen) < count:
+        nearest = np.minimum(nearest, ((some - some[chosen[-1]]) ** 2).sum(axis=1))
+        nearest[chosen] = -1.0
+        chosen.append(int(nearest.argmax()))
+    return [every * k for k in sorted(chosen)]
 
 
 def _spread(context: Context, position: int) -> Spread:

@@ -189,7 +189,7 @@ def test_the_name_of_a_shipped_campaign_will_do(capsys: pytest.CaptureFixture[st
     out = capsys.readouterr().out
     assert out.startswith(f"unicycle_static: {campaign().name} ")
     assert f" {campaign().digest[:16]}\n" in out
-    assert " 27,044 evaluations:" in out
+    assert " 28,044 evaluations:" in out
     assert "  search by direct: 3,000\n" in out
 
 

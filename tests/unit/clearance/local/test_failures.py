@@ -7,7 +7,6 @@ from pathlib import Path
 import numpy as np
 
 from campaigns.asked.load import load_document
-from campaigns.claims.wording import WORDING
 from campaigns.results.base import EXCLUDED, FAILED, OK, TIMEOUT
 from campaigns.stored.records import Columns, StagePlan, StageRecord
 from clearance.local.failures import MOST, OUTPUT, UNKNOWN, failures, lines, not_stored
@@ -17,6 +16,7 @@ from tests.given.sampled_stages import DRAWN
 from tests.simulators import noisy
 from tests.simulators.adversaries import adversary
 from worker.evidence.audit.judge import closing
+from worker.evidence.audit.limits import VIOLATING
 from worker.running.runs.runner import execute
 from worker.running.runs.store import MemoryStore
 
@@ -69,7 +69,7 @@ def test_what_failed_and_is_only_counted_is_in_the_list_as_well(tmp_path: Path) 
             assert [item.name for item in folder.items() if item.agrees is False] == ["files.failures_not_stored"]
             folder.result["failures_not_stored"] = more
         del folder.result["failures_not_stored"]
-        folder.result["versions"]["wording"] = WORDING - 1
+        folder.result["versions"]["wording"] = VIOLATING - 1
         folder.reseal()
         assert closing(folder.items())[0]  # earlier versions did not state it
 

@@ -105,7 +105,7 @@ def _not_continued(beyond: Beyond) -> Spans:
     """How many evaluations are not simulated on; the nominal case and the findings may be among them, and are."""
     if not beyond.not_continued:
         return ()
-    return say(" (of all but at most ", count(beyond.not_continued), " evaluations)")
+    return say(" (of all but at most ", count(beyond.not_continued, "not_continued"), " evaluations)")
 
 
 def _fail(problem: Problem, beyond: Beyond) -> Spans:

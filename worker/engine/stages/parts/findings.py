@@ -360,7 +360,7 @@ def _lower(context: Context, position: int, found: Found, settled: bool = False)
 def _rules(context: Context, worst: float) -> Rules:
     request = context.campaign.stages.findings
     fall = scale(context, worst)
-    limits = request.distance, request.barrier * fall, request.at_most
+    limits = between.distance(context), request.barrier * fall, request.at_most
     return Rules(*limits, rugged=ROUNDING * fall, ceiling=between.ceiling(context))
 
 

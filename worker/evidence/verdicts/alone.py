@@ -1,4 +1,4 @@
-"""Which uncertain parameters change the criterion alone, along the slices through the nominal point and the findings."""
+"""Which uncertain parameters alone change the criterion: along the slices through nominal point and findings."""
 
 from __future__ import annotations
 

@@ -91,7 +91,7 @@ def test_a_large_value_at_the_nominal_point_joins_no_failures(value: float) -> N
     """Where nothing is met; next to it every ridge between two wells is flat."""
 
     def function(x: Floats) -> Floats:
-        return np.where(np.abs(x - 0.5).max(axis=1) < 0.05, value, two_failures(x + [0.0, 0.19]))
+        return np.where(np.abs(x - 0.5).max(axis=1) < 0.05, value, two_failures(x + np.array([0.0, 0.19])))
 
     made, found, _ = found_by(searching({"method": "direct", "evaluations": 600}), function)
     assert sorted(tuple(np.round(b.point, 2)) for b in found.basins[:2]) == [(0.23, 0.12), (0.77, 0.5)]

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from tests.unit.engine.stages.test_baseline import against, context, ran, since
+from tests.given.baseline_stage import against, context, ran, since
 from worker.engine.search.base import Floats
 from worker.engine.stages.parts import between, findings
 from worker.engine.stages.parts.base import drive

@@ -1,4 +1,4 @@
-"""The scale of a criterion: nominal minus worst, or, where the nominal case is far above all others, what these span."""
+"""The scale of a criterion: nominal minus worst, or what all others span where the nominal case is far above them."""
 
 from __future__ import annotations
 

@@ -7,8 +7,8 @@ AGREEMENT, CONFIDENCE, CONFIDENCE_AT_LEAST = 0.05, 0.95, 0.9
 """Usual agreement of methods, a fraction of nominal minus worst; usual confidence of bounds, and the least allowed."""
 TOLERANCE, TOLERANCE_OF_MARGIN = 1e-3, 0.1
 """How much the evaluations of a case may differ: usual fraction of its value, and at most that of the margin."""
-ROUNDING = 1e-6
-"""Fraction of the scale of what is compared below which a difference counts as rounding."""
+ROUNDING, ROUNDING_AT_LEAST = 1e-6, 1e-15
+"""Fraction of the scale of what is compared below which a difference counts as rounding; whatever the margin, this."""
 DISTANCE, BARRIER = 0.03, 0.05
 """Usual limits within which two minima count as one: fraction of every range, of nominal minus worst."""
 SAME_COST, SAME_PLACE = 0.01, 0.05

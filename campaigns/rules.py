@@ -36,7 +36,9 @@ EFFORT = "effort of a run"
 
 AGREEMENT = Limit(limits.AGREEMENT, "agreement of methods, as a fraction of nominal minus worst", USUAL)
 AGREEMENT_AT_MOST = Limit(0.2, "the same at most, whatever the campaign states", CONVENTION)
-AGREEMENT_ROUNDING = Limit(1e-15, "the same at least, as a fraction of nominal, worst case or threshold", "rounding")
+AGREEMENT_ROUNDING = Limit(
+    limits.ROUNDING_AT_LEAST, "the same at least, as a fraction of nominal, worst case or threshold", "rounding"
+)
 AGREEMENT_OF_MARGIN = Limit(0.1, "the same at most, as a fraction of the margin of the worst case", CONVENTION)
 METHODS = Limit(2, "families of methods that must reach the worst case", "no verdict rests on one principle of search")
 GLOBAL_LEAST = Limit(25, "evaluations for each uncertain parameter that a global method needs", CONVENTION)

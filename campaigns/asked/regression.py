@@ -12,6 +12,7 @@ from pydantic import AfterValidator, Field
 from campaigns.asked.reading import repeated
 from campaigns.asked.scenario import MAX_REALISATION
 from campaigns.asked.values import AS_NUMBER, AS_WHOLE, DISTINCT, Name, Number, Path, Strict
+from campaigns.limits import ROUNDING, ROUNDING_AT_LEAST, TOLERANCE_OF_MARGIN
 
 FailOn = Literal["violation", "new_violation", "new", "worse", "not_compared"]
 """violation: the verdict is violated, or a violation of the baseline is not compared; new_violation: a finding violates
@@ -54,6 +55,13 @@ class BaselineCase(Strict):
     """The largest difference between its integrations, or between its evaluations, in the criterion's unit."""
     realisation: Annotated[int, Field(ge=0, lt=MAX_REALISATION), AS_WHOLE] | None = None
     """The noise seed drawn for it; null if it simulated those of its campaign."""
+
+    def rounding(self, threshold: float) -> float:
+        """The change of its cost that is rounding: by its own size and the threshold's, a tenth of its margin at most.
+
+        Never by the nominal cost, which may be a large value that stands for "no encounter"."""
+        size, margin = max(abs(self.cost), abs(threshold)), abs(self.cost - threshold)
+        return max(min(ROUNDING * size, TOLERANCE_OF_MARGIN * margin), ROUNDING_AT_LEAST * size)
 
 
 class Baseline(Strict):

@@ -154,7 +154,7 @@ class Findings(Strict):
     many evaluations as the searches, or as this states if it is more; the usual number counts as not stated (canonical
     campaigns have it written out): `validate.evaluations` states any number."""
     distance: Annotated[float, Field(gt=0, le=0.5), AS_NUMBER] = limits.DISTANCE
-    """Two minima closer than this fraction of every range count as one."""
+    """Two minima closer than this fraction of every range count as one; with a baseline, this is at most 0.05."""
     barrier: Annotated[float, Field(ge=0, le=1), AS_NUMBER] = limits.BARRIER
     """Two minima count as one if no barrier between them is above this fraction of nominal minus worst."""
 

@@ -182,7 +182,7 @@ def _gathered(context: Context, driven: Driven, found: findings.Found, unfinishe
     elif not complete:
         ended = ends.by_validation(ended)
     return Gathered(
-        distance=request.distance,
+        distance=between.distance(context),
         barrier=request.barrier,
         at_most=request.at_most,
         candidates=len(found.candidates),

@@ -84,10 +84,13 @@ def _possible(run: Run, case: BaselineCase) -> bool:
 
 def examined(run: Run) -> bool:
     """Whether what is stated of the basins of cases is what evaluations show: a lowest cost is that of one, at the
-    parameters that are stated, and no higher than the case that a descent began from; a violation is one."""
+    parameters that are stated, and no higher than the case that a descent began from; a violation is one. Since `WIDER`
+    no minima count as one that are farther apart than cases at one place."""
     validated = run.claims["results"][-1]
     stored, baseline = validated.get("basins") or [], run.campaign.baseline
     if baseline is not None and _has_basins(run) and len(stored) != len(baseline.cases):
+        return False
+    if baseline is not None and run.wording >= limits.WIDER and validated["findings"]["distance"] > limits.SAME_PLACE:
         return False
     if not _compares(run) or not run.whole or baseline is None:
         return True
@@ -234,13 +237,13 @@ def _case(run: Run, number: int) -> FindingChange:
         return _row(run, "not compared", (before - limit, math.nan, math.nan), (k, None, case.parameters))
     again = float(costs[k])
     lowest = min(again, basin) if stands else again
-    tolerance = _tolerance(run, case.difference, recorded["now"])
+    tolerance = _tolerance(run, case, recorded["now"])
     violated = before <= _thresholds(run)[0]
     new = lowest <= limit and not violated
     if violated and lowest > limit:
         standing = "better" if basin <= limit or own.violates else "fixed" if own.examined else "unresolved"
     else:
-        allowed = max(tolerance, limits.SAME_COST * max(run.nominal - lowest, 0.0))
+        allowed = max(tolerance, _apart(run, before, lowest))
         worse = new or again < before - tolerance or lowest < before - allowed
         standing = "worse" if worse else "better" if lowest > before + tolerance else "same"
     place = own.parameters if stands and basin < again else run.values(run.rows(position(run))[0][k])
@@ -302,11 +305,11 @@ def _one(run: Run, number: int, now: str, highest: float | None) -> bool:
     baseline, stage = run.campaign.baseline, position(run)
     assert baseline is not None
     k = run.claims["results"][stage]["cases"][number]["index"]
-    most = max(run.threshold, float(run.rows(stage)[1][k])) + _tolerance(run, baseline.cases[number].difference, now)
+    most = max(run.threshold, float(run.rows(stage)[1][k])) + _tolerance(run, baseline.cases[number], now)
     return highest is not None and highest <= most
 
 
-def _tolerance(run: Run, before: float, label: str | None) -> float:
+def _tolerance(run: Run, case: BaselineCase, label: str | None) -> float:
     validations = {f["label"]: f["validation"] for f in run.claims["findings"]}
     now = validations.get(label) if label else run.claims["results"][-1]["nominal"]
     others = [(now or {}).get(name) or {} for name in ("half_step", "integrator", "again")]
@@ -314,7 +317,25 @@ def _tolerance(run: Run, before: float, label: str | None) -> float:
     spread = (run.claims["results"][0].get("measured") or {}).get("spread") or 0.0
     nominal = 0.0 if math.isnan(run.nominal) else run.nominal
     floor = limits.ROUNDING * max(abs(run.threshold), abs(nominal))
-    return float(max([before, *apart, spread, run.campaign.regression.tolerance, floor]))
+    if run.wording >= limits.WIDER:
+        floor = _rounding(run, case.cost)
+    return float(max([case.difference, *apart, spread, run.campaign.regression.tolerance, floor]))
+
+
+def _rounding(run: Run, cost: float) -> float:
+    """The change of a cost that is rounding: by the size of what is compared, no more than a tenth of its margin."""
+    size, tenth = max(abs(cost), abs(run.threshold)), limits.TOLERANCE_OF_MARGIN * abs(cost - run.threshold)
+    return max(min(limits.ROUNDING * size, tenth), limits.AGREEMENT_ROUNDING * size)
+
+
+def _apart(run: Run, before: float, lowest: float) -> float:
+    """By how much two searches of one model may end apart: NaN without a nominal cost. Since `WIDER` by the costs that
+    are compared, and no more than a tenth of the margin; before by nominal minus worst alone."""
+    fall = max(run.nominal - lowest, 0.0)
+    if run.wording < limits.WIDER:
+        return limits.SAME_COST * fall
+    size, tenth = max(map(abs, (before, lowest, run.threshold))), abs(before - run.threshold)
+    return min(limits.SAME_COST * min(fall, size), limits.TOLERANCE_OF_MARGIN * tenth)
 
 
 def _thresholds(run: Run) -> list[float]:

@@ -94,8 +94,10 @@ def validated(run: Run, at_most: int, spot_checks: int) -> forms.ValidateResult:
     findings, spent, tolerance = OMIT, OMIT, OMIT
     if run.sealed:
         own, tolerance = run.campaign.stages.findings, run.campaign.stages.validate_.tolerance
+        known = run.wording >= limits.WIDER and run.campaign.baseline is not None
+        apart = min(own.distance, limits.SAME_PLACE) if known else own.distance
         findings = made(
-            forms.Gathered, distance=own.distance, barrier=own.barrier, at_most=own.at_most,
+            forms.Gathered, distance=apart, barrier=own.barrier, at_most=own.at_most,
             statement=OMIT if run.reworded else gathered(run), **REST,
         )  # fmt: skip
         most = validation(run.campaign, run.calls.noisy).total

@@ -20,6 +20,7 @@ from campaigns.results.verdict import Check
 from worker.engine.problem.problem import Problem
 from worker.evidence.scopes.terms import terms
 from worker.evidence.verdicts.agreement import varies
+from worker.evidence.verdicts.alone import alone
 from worker.evidence.verdicts.evidence import Evidence, check
 
 INTENDED = ", which the author states is intended: "
@@ -244,17 +245,19 @@ def _influence(problem: Problem, evidence: Evidence) -> Condition:
             *(quantity, " varies by ", number(by, unit, "varies"), " over the evaluations, which may be noise alone: "),
             *("evaluations of the same point have a standard deviation of ", noise),
         )
-    parameters = problem.symbols
-    least = rules.ROUNDING.value * by
-    changes, no_value = evidence.encounter.influence, evidence.encounter.no_value
-    without = [parameters[path] for path, change in changes.items() if change <= least and path not in no_value]
+    parameters, shown = problem.symbols, alone(evidence, problem.threshold)
+    no_value = evidence.encounter.no_value
+    without = [parameters[path] for path in parameters if path in shown.without and path not in no_value]
     statement = say(quantity, " varies by ", number(by, unit, "varies"), " over the evaluations")
-    statement = say(statement, "; varying these alone has no effect: ", listed(without)) if without else statement
+    if without:
+        more = "" if shown.fewest == shown.most else " or more"
+        at = say(" at the ", count(shown.fewest), more, " values of each curve: ")
+        statement = say(statement, "; varying these alone has no effect", at, listed(without))
     for path, statuses in no_value.items():
-        if changes.get(path, 0.0) <= least:
+        if path not in shown.changing:
             seen = (
                 " alone changes no value, but evaluations"
-                if path in changes
+                if path in shown.known
                 else " alone has no known effect: evaluations"
             )
             statement = say(statement, "; varying ", parameters[path], seen, " along it ", ending(statuses))

@@ -180,8 +180,11 @@ def _standing(
         return Standing.WORSE
     if violated and cost > threshold:
         return Standing.FIXED
-    # Where two searches of the same model end in a basin may differ by so much.
-    search = 0.0 if nominal is None else rules.SAME_COST.value * max(nominal - cost, 0.0)
+    # Where two searches of the same model end in a basin may differ by so much. The nominal cost alone is no scale: it
+    # may be a large value that stands for "no encounter".
+    size = max(abs(before), abs(cost), abs(threshold))
+    search = 0.0 if nominal is None else rules.SAME_COST.value * min(max(nominal - cost, 0.0), size)
+    search = min(search, rules.TOLERANCE_OF_MARGIN.value * abs(before - threshold))
     if again < before - tolerance or cost < before - max(tolerance, search):
         return Standing.WORSE
     return Standing.BETTER if cost > before + tolerance else Standing.SAME
@@ -207,11 +210,12 @@ def _new(problem: Problem, found: Finding, run: str, apart: str | None) -> Findi
 
 def _tolerance(problem: Problem, evidence: Evidence, before: BaselineCase, there: Finding | None) -> float:
     """The largest of what the integrations differ by in either run, what calls differ by, the policy's, rounding."""
-    nominal, measured = evidence.nominal.cost, evidence.nominal.measured
+    measured = evidence.nominal.measured
     spread = 0.0 if measured is None or measured.spread is None else measured.spread
     now = difference(evidence.validation.nominal if there is None else there.validation)
-    floor = rules.ROUNDING.value * max(abs(problem.threshold), abs(nominal or 0.0))
-    return max(before.difference, now, spread, problem.campaign.regression.tolerance, floor)
+    return max(
+        before.difference, now, spread, problem.campaign.regression.tolerance, before.rounding(problem.threshold)
+    )
 
 
 def _beside(problem: Problem, evidence: Evidence, checks: Sequence[Check]) -> Spans:

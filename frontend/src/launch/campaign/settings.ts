@@ -168,7 +168,11 @@ export const STAGES: Group[] = [
         label: 'Evaluations at most',
         text: 'For distinguishing worst cases; with the usual 20 000, validation takes at most as many as the searches',
       },
-      { at: ['stages', 'findings', 'distance'], label: 'Distance', text: 'Two minima closer than this fraction of every range count as one' },
+      {
+        at: ['stages', 'findings', 'distance'],
+        label: 'Distance',
+        text: 'Two minima closer than this fraction of every range count as one; with a baseline, this is at most 0.05',
+      },
       {
         at: ['stages', 'findings', 'barrier'],
         label: 'Barrier',

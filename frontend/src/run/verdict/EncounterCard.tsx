@@ -1,7 +1,7 @@
 // Evidence that the avoidance was exercised: closest approaches, motion, the case without avoidance, influence.
 import type { ReactNode } from 'react'
 import type { Beyond, ClosestApproach, Encounter, Later } from '../../client'
-import { count, decimalsFor, fixed, NONE, plain } from '../../format/numbers'
+import { count, fixed, NONE, plain } from '../../format/numbers'
 import { HelpLink } from '../../help/links'
 import { Card } from '../../ui/Card'
 import { Sign } from '../../ui/Sign'
@@ -24,7 +24,6 @@ export function EncounterCard({ data, encounter }: EncounterProps) {
   const { run, findings, parameters } = data
   const { closest, beyond, moved, unseen, spread, influence, no_value } = encounter
   const quantity = <Sign text={run.quantity || 'value'} />
-  const largest = Math.max(...Object.values(influence), 0)
   return (
     <Card
       title={unseen ? 'Encounter' : 'Effect of the parameters'}
@@ -65,7 +64,7 @@ export function EncounterCard({ data, encounter }: EncounterProps) {
             <span key={path}>
               {i > 0 && '; '}
               <Sign text={parameters.find((p) => p.path === path)?.symbol ?? path} path={path} />:{' '}
-              {path in influence ? `${fixed(influence[path], decimalsFor([largest], 3))} ${run.unit}` : 'not known'}
+              {path in influence ? `${plain(influence[path], 3)} ${run.unit}` : 'not known'}
               {no_value?.[path] && <span className="unk-t"> (evaluations along it {ending(no_value[path])})</span>}
             </span>
           ))}

@@ -39,6 +39,11 @@ it('states of a criterion without distances that nothing is known beyond what is
   expect(shown({ beyond: { ...beyond, lowest: null } })).not.toContain('nothing is known')
 })
 
+it('shows each change in its own digits, whatever another parameter changes', () => {
+  const html = shown({ influence: { a: 999_995, b: 0.4 } })
+  expect(html).toContain('b: 0.4 m')
+})
+
 it('names the parameters along which evaluations have no value', () => {
   const html = shown({ influence: { a: 0, b: 1 }, no_value: { a: ['failed', 'excluded'], c: ['excluded'] } })
   expect(html).toMatch(/a: 0\S* m \(evaluations along it fail or are excluded\)/)

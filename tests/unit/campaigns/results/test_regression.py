@@ -20,7 +20,7 @@ from campaigns.results import Finding, Verdict
 from campaigns.results.baselines import CannotCompare, with_baseline
 from campaigns.results.regression import FindingChange, Regression, Standing
 from campaigns.results.stage import Reevaluated
-from campaigns.results.validate import CaseBasin, Downhill
+from campaigns.results.validate import CaseBasin, Downhill, Line
 from campaigns.results.verdict import Check, VerdictWord
 from campaigns.stages.baseline import BaselineResult
 from clearance.cli._ended import EndedRun, by_policy, changes, code, exit_sentence
@@ -50,11 +50,12 @@ def compared(
     since: tuple[str | None, ...],
     basins: tuple[CaseBasin, ...] = (),
     checks: Sequence[Check] = (),
+    nominal: float = given.NOMINAL,
     **changes: Any,
 ) -> Regression:
     """The comparison; before: costs in the baseline; again: on this model; now: of the findings of this run; since: the
     finding in the basin of each case; basins: what is known of them, nothing as in results of earlier versions;
-    checks: of the verdict."""
+    checks: of the verdict; nominal: the cost of the nominal case."""
     labels = [case.label for case in asked(*before).baseline.cases]  # type: ignore[union-attr]
     cases = [
         Reevaluated(
@@ -67,7 +68,7 @@ def compared(
     validated = given.validation(since=list(since), basins=list(basins))
     made = given.evidence(
         baseline=BaselineResult(run="R-0001", cases=cases), validation=validated, finding=found[0] if found else None,
-        others=found[1:],
+        others=found[1:], nominal=given.nominal(nominal),
     )  # fmt: skip
     result = regression(Problem(asked(*before, **changes)), made, checks)
     assert result is not None
@@ -216,13 +217,45 @@ def test_the_tolerance_is_the_largest_of_what_cannot_be_resolved() -> None:
     assert one(0.84, 0.8395, 0.8395, regression={"tolerance": 0.001}).standing is Standing.SAME
     assert one(0.84, 0.8395, 0.8395, regression={"tolerance": 0.0001}).standing is Standing.WORSE
     floor = one(0.84, 0.84 - 5e-7, 0.84)
-    assert (floor.standing, floor.tolerance) == (Standing.SAME, pytest.approx(0.94e-6))
+    assert (floor.standing, floor.tolerance) == (Standing.SAME, pytest.approx(0.84e-6))
     cases = [Reevaluated(label="F1", index=0, parameters=AT, point=[1.0, 1.0], status="ok", cost=0.83)]
     baseline = BaselineResult(run="R-0001", cases=cases)
     noisy = given.evidence(baseline=baseline, validation=given.validation(since=[None]), finding=None)
     found = regression(Problem(asked(0.84, difference=0.02)), noisy, ())
     assert found is not None
     assert (found.cases[0].standing, found.cases[0].tolerance) == (Standing.SAME, 0.02)
+
+
+@pytest.mark.parametrize("nominal", [given.NOMINAL, 10.0, 1e6, 1e12])
+@pytest.mark.parametrize(
+    ("before", "again", "now", "standing"),
+    [
+        (0.84, 0.55, 0.55, Standing.WORSE),
+        (0.84, 0.84 - 1e-5, 0.84 - 1e-5, Standing.WORSE),
+        (0.84, 0.84, 0.80, Standing.WORSE),
+        (0.45, 0.35, 0.35, Standing.WORSE),
+        (0.45, 0.55, None, Standing.FIXED),
+        (0.84, 0.84 - 5e-7, 0.84 - 5e-7, Standing.SAME),
+        # A margin of 1 um: what is rounding for 0.5 m is half of it.
+        (0.500001, 0.5000006, 0.5000006, Standing.WORSE),
+        (0.500001, 0.500001, 0.5000006, Standing.WORSE),
+        (0.499999, 0.4999986, 0.4999986, Standing.WORSE),
+    ],
+)
+def test_no_change_is_hidden_by_what_the_nominal_case_returns(
+    before: float, again: float, now: float | None, standing: Standing, nominal: float
+) -> None:
+    """A simulator may return a large value where nothing is met."""
+    assert one(before, again, now, nominal=nominal).standing is standing
+
+
+@pytest.mark.parametrize("nominal", [given.NOMINAL, 1e6])
+def test_a_ridge_separates_a_violation_from_a_known_one_whatever_the_nominal_case_returns(nominal: float) -> None:
+    line = Line(end=[1.0, 1.0], highest=0.5 + 1e-3)
+    basin = CaseBasin(lowest=0.4, line=line)
+    found = compared((0.4,), (0.4,), (0.4,), ("F1",), (basin,), nominal=nominal)
+    assert {case.standing for case in found.cases} == {Standing.SAME, Standing.NEW}
+    assert not found.accepted
 
 
 def test_a_new_finding_and_one_without_a_value_are_named() -> None:

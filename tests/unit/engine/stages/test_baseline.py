@@ -21,12 +21,11 @@ from campaigns.claims.stages.earlier_run import not_random
 from campaigns.refusals import RefusalCode
 from campaigns.results.base import EXCLUDED
 from campaigns.stages.baseline import BaselineResult
-from campaigns.stages.nominal import NominalResult
 from campaigns.stages.plan import most
-from campaigns.stored.records import StagePlan
 from clearance.cli import VIOLATED, WRONG_INPUT, invoke
 from clearance.testing.problems import Problem
-from clearance.testing.searching import Function, batch
+from clearance.testing.searching import batch
+from tests.given.baseline_stage import PLAN, against, context, ran, since
 from tests.given.case_campaigns import campaign, searching
 from tests.given.corrupted_records import DIRECT, NOISE, SHORT, SQP, Folder
 from tests.given.refused_commands import refused
@@ -38,31 +37,11 @@ from worker.engine.stages.parts.base import drive
 from worker.engine.stages.parts.context import Context
 from worker.engine.stages.parts.falls import not_compared
 from worker.engine.stages.parts.left import Left
-from worker.engine.stages.validate import _matching, _reevaluated
 from worker.evidence.audit import judge
 from worker.running.catalogue.installed import catalogue
 from worker.running.runs.runner import execute
-from worker.running.runs.store import MemoryStore
 
-PLAN = [StagePlan("nominal", None, 1), StagePlan("baseline", None, 2), StagePlan("validate", None, 10**6)]
 CORNER = {"vehicle.m": 6.0, "vehicle.J": 0.06}
-
-
-def against(*cases: dict[str, Any], **changes: Any) -> Campaign:
-    """Case 1 with a baseline of these findings; label and cost are added."""
-    listed = [{"label": f"F{i}", "cost": 0.9, **case} for i, case in enumerate(cases, 1)]
-    baseline = {"run": "R-0001", "digest": "0" * 64, "threshold": 0.5, "cases": listed}
-    return campaign(baseline=baseline, **changes)
-
-
-def context(made: Campaign, function: Function) -> Context:
-    """A run in memory whose evaluations are this function's values."""
-    store, problem = MemoryStore(), Problem(made)
-    store.plan(PLAN)
-    found = Context(made, problem, lambda points, seeds=None: (batch(function(points)), {}), store, plan=PLAN)
-    cost = float(function(problem.nominal_point[None, :])[0])
-    found.results[0] = NominalResult(cost=cost, margin=cost - problem.threshold, status="ok")
-    return found
 
 
 WELLS = ([0.23, 0.31], [0.77, 0.69])
@@ -76,15 +55,6 @@ def two_wells(points: Floats) -> Floats:
 
 def flat(points: Floats) -> Floats:
     return 1.0 + points.sum(axis=1)
-
-
-def ran(made: Context) -> BaselineResult:
-    made.results[1] = baseline.run(made, 1).result
-    return made.results[1]
-
-
-def since(made: Context, found: findings.Found, labels: list[str]) -> list[str | None]:
-    return [_matching(made, case, [], found, labels) for case in _reevaluated(made)]
 
 
 def test_a_finding_is_evaluated_at_its_own_bits() -> None:

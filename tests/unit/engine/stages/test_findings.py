@@ -15,7 +15,7 @@ from tests.given.at_night import nightly_but
 from tests.given.case_campaigns import case1, searching
 from worker.engine.search.parts.basin import Basin
 from worker.engine.stages import search
-from worker.engine.stages.parts import candidates, findings
+from worker.engine.stages.parts import candidates, findings, scales
 from worker.engine.stages.parts.base import drive, stream
 from worker.engine.stages.parts.comparison import compare, reached
 from worker.engine.stages.parts.context import Context, Driven
@@ -86,6 +86,19 @@ def test_two_symmetric_failures_are_exactly_two_findings(method: str) -> None:
     assert any(c is not None for c in counts), "the method came to neither by itself"
 
 
+@pytest.mark.parametrize("value", [10.0, 100.0, 1e6, 1e12])
+def test_a_large_value_at_the_nominal_point_joins_no_failures(value: float) -> None:
+    """Where nothing is met; next to it every ridge between two wells is flat."""
+
+    def function(x: Floats) -> Floats:
+        return np.where(np.abs(x - 0.5).max(axis=1) < 0.05, value, two_failures(x + np.array([0.0, 0.19])))
+
+    made, found, _ = found_by(searching({"method": "direct", "evaluations": 600}), function)
+    assert sorted(tuple(np.round(b.point, 2)) for b in found.basins[:2]) == [(0.23, 0.12), (0.77, 0.5)]
+    assert scales.spanned(made, found.basins[0].cost) < 1.0
+    assert scales.rounding(made, found.basins[0].cost) < 1e-6
+
+
 def test_a_method_is_named_with_the_evaluation_at_which_it_came_close() -> None:
     campaign = searching({"method": "direct", "evaluations": 500}, {"method": "monte_carlo", "evaluations": 20})
     made, found, _ = found_by(campaign, two_failures)
@@ -94,7 +107,7 @@ def test_a_method_is_named_with_the_evaluation_at_which_it_came_close() -> None:
     for i, basin in enumerate(found.basins):
         needed = reached(made, found, 1, columns, i)
         assert needed is not None
-        near = basin.cost + 0.01 * findings.scale(made, basin.cost)
+        near = basin.cost + 0.01 * scales.scale(made, basin.cost)
         close = [
             i for i, (p, c) in enumerate(zip(columns.points, columns.costs[:, 0], strict=True))
             if c <= near and np.abs(p - basin.point).max() <= 0.05

@@ -9,6 +9,7 @@ import pytest
 
 from campaigns.results.base import Stop
 from campaigns.results.finding import ClosestApproach, HalfStep, ReferenceCost
+from campaigns.results.slices import Curve, Slices
 from campaigns.results.validate import Beyond, Later, Spread, Unseen, Violations
 from campaigns.stages.certify import CertifyResult
 from clearance.testing.problems import Problem
@@ -170,10 +171,24 @@ def diverged(without: Unseen, moved: float | None = 9.2) -> dict[str, Any]:
 
 
 def along(changes: dict[str, float], **no_value: list[str]) -> dict[str, Any]:
-    return met(
-        influence={f"vehicle.{name}": by for name, by in changes.items()},
-        no_value={f"vehicle.{name}": statuses for name, statuses in no_value.items()},
-    )
+    """What slices through the worst case show, each of two values."""
+    by = {f"vehicle.{name}": change for name, change in changes.items()}
+    curves = [slice_of(path, WORST, WORST + change) for path, change in by.items()]
+    ended = {f"vehicle.{name}": statuses for name, statuses in no_value.items()}
+    return met(influence=by, no_value=ended) | {"finding": finding(slices=Slices(curves=curves))}
+
+
+def slice_of(path: str, *costs: float) -> Curve:
+    return Curve(path=path, values=[*map(float, range(len(costs)))], costs=[*costs], status=["ok"] * len(costs))
+
+
+def over(highest: float, *curves: Curve) -> dict[str, Any]:
+    """Slices of a criterion that has values up to this."""
+    spread = Spread(evaluations=3343, lowest=WORST, highest=highest)
+    return met(spread=spread) | {"finding": finding(slices=Slices(curves=[*curves]))}
+
+
+M, J = "vehicle.m", "vehicle.J"
 
 
 FLAT = Spread(evaluations=3343, lowest=NOMINAL, highest=NOMINAL)
@@ -210,7 +225,14 @@ EXCLUDED = Unseen(cost=None, status="excluded", reason="too close", deviation=No
             "avoidance", False, diverged(EXCLUDED),
             "and without avoidance it is excluded (too close); choose a nominal case that the vehicle completes",
         ),
-        ("influence", True, along({"m": 0.1, "J": 0.0}), "; varying these alone has no effect: vehicle.J"),
+        (
+            "influence", True, along({"m": 0.1, "J": 0.0}),
+            "; varying these alone has no effect at the 2 values of each curve: vehicle.J",
+        ),
+        (
+            "influence", True, over(1e6, slice_of(M, 1e6, 1e6, 1e6), slice_of(J, 5.0, 5.0), slice_of(J, 5.0, 5.0, 5.0)),
+            "; varying these alone has no effect at the 2 or more values of each curve: vehicle.m and vehicle.J",
+        ),
         (
             "influence", True, along({"m": 0.1, "J": 0.0}, J=["failed"], m=["failed"]),
             "over the evaluations; varying vehicle.J alone changes no value, but evaluations along it fail",
@@ -412,3 +434,19 @@ def test_the_sentence_of_a_violation_names_the_counts_and_the_noise() -> None:
     statement = concluded(**violation(finding=own, violating=135, validation=given)).reason
     assert f" {text}." in statement
     assert " seed 77" in statement
+
+
+@pytest.mark.parametrize(
+    ("curves", "without"),
+    [
+        ([slice_of(M, WORST, 1e6), slice_of(J, 5.45, 4.55)], ""),
+        ([slice_of(M, WORST, 1e6), slice_of(J, 1e6, 1e6), slice_of(J, 5.0, 5.0001)], ""),
+        ([slice_of(M, WORST, 1e6), slice_of(J, 5.0, 5.000001)], "vehicle.J"),
+        ([slice_of(M, WORST, 1e6), slice_of(J, 0.5000001, 0.4999999)], ""),
+        ([slice_of(M, WORST, 1e6), slice_of(J, 0.5000001, 0.50000012)], ""),
+    ],
+)
+def test_a_large_value_elsewhere_does_not_make_an_effect_rounding(curves: list[Curve], without: str) -> None:
+    """The criterion is 1e6 m where nothing is met; the threshold is 0.5 m."""
+    text = check_of("influence", concluded(**over(1e6, *curves))).text
+    assert text.partition("of each curve: ")[2] == without

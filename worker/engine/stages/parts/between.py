@@ -11,7 +11,7 @@ from collections.abc import Callable, Generator, Sequence
 
 import numpy as np
 
-from campaigns.limits import LINE, ROUNDING, SAME_PLACE
+from campaigns.limits import LINE, SAME_PLACE
 from campaigns.results.stage import Reevaluated
 from campaigns.results.validate import Line
 from worker.engine.search.base import Batch
@@ -28,13 +28,19 @@ def near(context: Context) -> float:
     return min(context.campaign.stages.findings.distance, SAME_PLACE)
 
 
+def distance(context: Context) -> float:
+    """Fraction of every range within which two minima count as one, whatever is between them. With a baseline no more
+    than `near`: farther apart, a known violation would hide one behind a clear ridge."""
+    return context.campaign.stages.findings.distance if context.campaign.baseline is None else near(context)
+
+
 def ceiling(context: Context) -> float:
-    """A case above this separates violating minima: the threshold, with what the comparison allows; infinite without a
-    baseline."""
-    if context.campaign.baseline is None:
+    """A case above this separates violating minima: the threshold, with what the comparison allows of every known
+    violation; infinite without a baseline."""
+    baseline, threshold = context.campaign.baseline, context.problem.threshold
+    if baseline is None:
         return np.inf
-    threshold, nominal = context.problem.threshold, context.nominal_cost
-    rounding = ROUNDING * max(abs(threshold), abs(nominal or 0.0))
+    rounding = min((case.rounding(threshold) for case in baseline.cases if case.cost <= threshold), default=0.0)
     return threshold + max(context.campaign.regression.tolerance, rounding)
 
 

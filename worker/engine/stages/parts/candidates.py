@@ -15,7 +15,7 @@ from campaigns.asked.allowance import STARTS, USUAL, per_finding, validation
 from campaigns.stored.records import Columns
 from worker.engine.search.parts.basin import Basin
 from worker.engine.search.parts.basins import LOOKED_AT, downhill, promising, spread
-from worker.engine.stages.parts import seeds
+from worker.engine.stages.parts import between, seeds
 from worker.engine.stages.parts.context import Context
 from worker.engine.stages.parts.noise import noisy
 from worker.engine.systems.base import Floats
@@ -92,6 +92,6 @@ def walked(context: Context, position: int, candidates: Sequence[Candidate], sta
         if not candidate.followed:
             claimed = (candidate.position, candidate.cost) in bests
             moved = replace(start) if claimed else start
-            if downhill(moved, points, ranked, context.campaign.stages.findings.distance) > ALONE:
+            if downhill(moved, points, ranked, between.distance(context)) > ALONE:
                 alone.add(i)
     return frozenset(alone)

@@ -13,7 +13,8 @@ from campaigns.results.validate import Compared
 from campaigns.stored.records import Columns
 from worker.engine.stages.parts.base import all_columns
 from worker.engine.stages.parts.context import Context
-from worker.engine.stages.parts.findings import Found, scale
+from worker.engine.stages.parts.findings import Found
+from worker.engine.stages.parts.scales import scale
 
 
 def compare(context: Context, findings: Sequence[Finding], found: Found, labels: list[str]) -> list[Compared]:

@@ -14,7 +14,7 @@ import numpy as np
 
 from campaigns.results.base import OK
 from worker.engine.search.base import Batch
-from worker.engine.stages.parts import seeds
+from worker.engine.stages.parts import between, seeds
 from worker.engine.stages.parts.context import Context
 from worker.engine.systems.base import Floats
 
@@ -72,7 +72,7 @@ def fall(context: Context, position: int, falls: Falls, room: int, barrier: floa
     room: evaluations that this may take; barrier: a rise by more than this is one.
     """
     points, costs = _violations(context, position, falls)
-    distance, went_on = context.campaign.stages.findings.distance, False
+    distance, went_on = between.distance(context), False
     for case in falls.cases.values():
         if case.cost is None:
             (case.cost,) = (yield case.point[None, :]).ranked().tolist()
@@ -92,7 +92,7 @@ def not_compared(context: Context, position: int, falls: Falls, index: int) -> i
     if case is None or case.violation is not None:
         return 0
     points, _ = _violations(context, position, falls)
-    return len(_new(case, points, context.campaign.stages.findings.distance))
+    return len(_new(case, points, between.distance(context)))
 
 
 def _violations(context: Context, position: int, falls: Falls) -> tuple[Floats, Floats]:

@@ -31,6 +31,7 @@ from worker.engine.stages.parts.context import Context
 from worker.engine.stages.parts.falls import Falls, begun, fall
 from worker.engine.stages.parts.left import Left
 from worker.engine.stages.parts.noise import noisy
+from worker.engine.stages.parts.scales import rounding, scale, spanned
 from worker.engine.systems.base import Floats
 
 FINDINGS_STREAM = 2**20
@@ -216,7 +217,9 @@ def _fall(context: Context, position: int, found: Found) -> Generator[Floats, Ba
     measured = context.results[0].repeatability
     spread = 0.0 if measured is None or measured.spread is None else measured.spread
     worst = min([c.cost for c in found.candidates] + [b.cost for b in found.basins])
-    barrier = max(_rules(context, worst).barrier, ROUNDING * scale(context, worst), spread)
+    # By nominal minus worst, whatever the nominal case is: with a lower barrier more would count as fixed.
+    barrier = max(context.campaign.stages.findings.barrier, ROUNDING) * scale(context, worst)
+    barrier = max(barrier, spread)
     return (yield from fall(context, position, found.falls, _room(context, found), barrier))
 
 
@@ -230,13 +233,6 @@ def _polished(context: Context, position: int, found: Found, random: np.random.G
         fresh = Basin(lower.point, lower.cost, [len(found.candidates) - 1])
         yield from _distinguished(context, found, [*found.basins, fresh], random)
         yield from _evidence(context, found, random)
-
-
-def scale(context: Context, worst: float) -> float:
-    """Nominal minus worst [the criterion's unit]; the size of the worst if the nominal cost is not above it."""
-    nominal = context.nominal_cost
-    fall = 0.0 if nominal is None else nominal - worst
-    return fall if fall > 0.0 else max(abs(worst), 1e-12)
 
 
 def _drawn(context: Context, position: int, found: Found) -> Part:
@@ -287,7 +283,7 @@ def _further(context: Context, position: int, found: Found, random: np.random.Ge
         return
     while True:
         worst, limit, known = found.basins[0].cost, _limit(context), [*found.basins, *ends]
-        rules, same = _rules(context, worst), worst + SAME_COST * scale(context, worst)
+        rules, same = _rules(context, worst), worst + SAME_COST * spanned(context, worst)
         room = _room(context, found)
         few = min(room // 10, _spare(context, found, found.basins) or room)  # without spare, evidence is short already
         fresh = yield from crossed(known, same, rules, few, random)
@@ -310,7 +306,7 @@ def _sharpened(context: Context, found: Found, random: np.random.Generator) -> P
     room = _spare(context, found, found.basins) // 2
     if room > 0:
         worst = found.basins[0].cost
-        same = SAME_COST * scale(context, worst)
+        same = SAME_COST * spanned(context, worst)
         yield from sharpened(found.basins, same, _rules(context, worst), room, random)
 
 
@@ -337,7 +333,7 @@ def _same(context: Context, found: Found, lower: Candidate) -> bool:
     """Replace the worst case by a nearby point that is lower only by rounding; it is not a new candidate."""
     worst = found.basins[0]
     near = np.abs(worst.point - lower.point).max() <= context.campaign.stages.validate_.reach
-    if not near or worst.cost - lower.cost > ROUNDING * scale(context, worst.cost):
+    if not near or worst.cost - lower.cost > rounding(context, worst.cost):
         return False
     found.evidence[lower.point.tobytes()] = found.of(worst)
     worst.point, worst.cost = lower.point, lower.cost
@@ -359,8 +355,8 @@ def _lower(context: Context, position: int, found: Found, settled: bool = False)
 
 def _rules(context: Context, worst: float) -> Rules:
     request = context.campaign.stages.findings
-    fall = scale(context, worst)
-    limits = request.distance, request.barrier * fall, request.at_most
+    fall = spanned(context, worst)
+    limits = between.distance(context), request.barrier * fall, request.at_most
     return Rules(*limits, rugged=ROUNDING * fall, ceiling=between.ceiling(context))
 
 

@@ -43,6 +43,8 @@ OTHERS: dict[str, set[float]] = {
     # Distances among candidates, as fractions of every range.
     "worker/engine/stages/parts/counting.py": {1e-6},
     "worker/engine/stages/parts/candidates.py": {0.03, 0.1},
+    # Fractions of nominal minus worst between which a gap is.
+    "worker/engine/stages/parts/scales.py": {0.1, 0.9},
     # The exponent of the index of a random stream.
     "worker/engine/stages/estimate.py": {25},
 }

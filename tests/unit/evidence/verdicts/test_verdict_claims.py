@@ -437,16 +437,15 @@ def test_the_sentence_of_a_violation_names_the_counts_and_the_noise() -> None:
 
 
 @pytest.mark.parametrize(
-    ("curves", "without"),
+    ("curves", "rounding"),
     [
-        ([slice_of(M, WORST, 1e6), slice_of(J, 5.45, 4.55)], ""),
-        ([slice_of(M, WORST, 1e6), slice_of(J, 1e6, 1e6), slice_of(J, 5.0, 5.0001)], ""),
-        ([slice_of(M, WORST, 1e6), slice_of(J, 5.0, 5.000001)], "vehicle.J"),
-        ([slice_of(M, WORST, 1e6), slice_of(J, 0.5000001, 0.4999999)], ""),
-        ([slice_of(M, WORST, 1e6), slice_of(J, 0.5000001, 0.50000012)], ""),
+        ([slice_of(M, WORST, 1e6), slice_of(J, 5.45, 4.55)], False),
+        ([slice_of(M, WORST, 1e6), slice_of(J, 1e6, 1e6), slice_of(J, 5.0, 5.0001)], False),
+        ([slice_of(M, WORST, 1e6), slice_of(J, 5.0, 5.000001)], True),
+        ([slice_of(M, WORST, 1e6), slice_of(J, 0.5000001, 0.4999999)], False),
+        ([slice_of(M, WORST, 1e6), slice_of(J, 0.5000001, 0.50000012)], False),
     ],
 )
-def test_a_large_value_elsewhere_does_not_make_an_effect_rounding(curves: list[Curve], without: str) -> None:
+def test_a_large_value_elsewhere_does_not_make_an_effect_rounding(curves: list[Curve], rounding: bool) -> None:
     """The criterion is 1e6 m where nothing is met; the threshold is 0.5 m."""
-    text = check_of("influence", concluded(**over(1e6, *curves))).text
-    assert text.partition("of each curve: ")[2] == without
+    assert ("vehicle.J" in check_of("influence", concluded(**over(1e6, *curves))).text) is rounding

@@ -226,7 +226,8 @@ class Run:
         costs = np.array(stated, dtype=np.float64)  # None becomes NaN, for which every comparison is False
         cost, tolerance = float(costs[0]), self.campaign.stages.validate_.tolerance
         scenario = self.campaign.scenario if self.sealed else None
-        floor = min(limits.ROUNDING, tolerance) * max(abs(self.threshold), abs(self.nominal), 1e-9)
+        size = self.nominal if self.wording < limits.WIDER else cost
+        floor = min(limits.ROUNDING, tolerance) * max(abs(self.threshold), abs(size), 1e-9)
         allowed = max(min(tolerance * abs(cost), limits.TOLERANCE_OF_MARGIN * abs(cost - self.threshold)), floor)
         violates, clear = (bool(side.all()) for side in (costs <= self.threshold, costs > self.threshold))
         agrees = (violates or clear) and bool((np.abs(costs - cost) <= allowed).all())

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import pytest
@@ -18,7 +19,7 @@ from tests.given.corrupted_records import Folder, copied, made
 from tests.given.sampled_stages import DRAWN
 from tests.simulators import adversaries, noisy
 from tests.simulators.adversaries import Call, adversary
-from worker.engine.stages.parts import between
+from worker.engine.stages.parts import between, confirm
 from worker.evidence.audit.judge import EARLIER
 from worker.evidence.audit.limits import WIDER
 from worker.running.runs.runner import execute
@@ -101,3 +102,12 @@ def test_minima_far_apart_count_as_one_by_the_rules_of_earlier_versions_alone(wi
     folder = copied(made(wide, store), tmp_path / "earlier")
     assert f"{EARLIER}regression.ok" in items(folder, WIDER - 1)
     assert any(name.endswith("findings.distance") for name in disagreeing(folder, WIDER))
+
+
+@pytest.mark.parametrize("cost", [0.9, 7.0, -0.2])
+def test_a_large_nominal_value_lets_no_integrations_differ_by_more(cost: float) -> None:
+    """The nominal cost stands for "no encounter"; a case agrees with itself by its own cost, or not at all."""
+    stages = SimpleNamespace(validate_=SimpleNamespace(tolerance=1e-3))
+    problem = SimpleNamespace(threshold=0.5)
+    context: Any = SimpleNamespace(problem=problem, campaign=SimpleNamespace(stages=stages), nominal_cost=FAR)
+    assert confirm._allowed(context, cost) <= 1e-3 * abs(cost)

@@ -51,11 +51,6 @@ def _vectors_and_seeds(context: Context, subjects: Sequence[Case]) -> tuple[Floa
     return context.problem.vectors(np.array([case.point for case in subjects])), [case.seed for case in subjects]
 
 
-def scale(context: Context) -> float:
-    """The scale of tolerances [the criterion's unit]: the larger of the threshold and the nominal value."""
-    return max(abs(context.problem.threshold), abs(context.nominal_cost or 0.0), 1e-9)
-
-
 def _case(context: Context, case: Case, found: Confirmed) -> Validation:
     threshold = context.problem.threshold
     found = found if context.campaign.simulator is None else _against(case.cost, found, threshold)
@@ -106,5 +101,6 @@ def _stored(other: Comparison, difference: float | None) -> Any:
 def _allowed(context: Context, cost: float) -> float:
     tolerance = context.campaign.stages.validate_.tolerance
     margin = abs(cost - context.problem.threshold)
-    floor = min(ROUNDING, tolerance) * scale(context)  # the requested tolerance may be below rounding
+    # The requested tolerance may be below rounding. The nominal cost is no scale: it may stand for "no encounter".
+    floor = min(ROUNDING, tolerance) * max(abs(context.problem.threshold), abs(cost), 1e-9)
     return max(min(tolerance * abs(cost), TOLERANCE_OF_MARGIN * margin), floor)

@@ -4,6 +4,7 @@ digest; what they accept follows in every one."""
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -175,7 +176,7 @@ def test_an_estimate_from_failed_evaluations_alone_follows_in_no_version(
             patch.setattr(Evaluated, "failed", property(lambda own: np.zeros(len(own.status), dtype=bool)))
             return (yield from started(*given))
 
-    monkeypatch.setattr(starts, "chosen", lambda points, costs, n: chosen(points, np.minimum(costs, 1e300), n))
+    monkeypatch.setattr(starts, "chosen", lambda of, n: chosen(replace(of, costs=np.minimum(of.costs, 1e300)), n))
     monkeypatch.setattr(rare, "_started", as_violations)
     store = MemoryStore(sample_seed=DRAWN)
     execute(of_failures, store, threads=1)

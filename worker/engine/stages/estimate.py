@@ -22,7 +22,6 @@ from campaigns.results.estimate import (
     Rows,
     ViolationMode,
 )
-from campaigns.stages.certify import CertifyResult
 from campaigns.stages.estimate import EstimateResult
 from campaigns.stored.records import Columns
 from worker.engine.problem.problem import Problem
@@ -75,7 +74,7 @@ def _violations(context: Context, position: int, budget: int) -> tuple[Stored, N
         rows = np.flatnonzero((low <= problem.threshold) | (~ok & (columns.status != EXCLUDED)))
         points.append(columns.points[rows])
         costs.append(low[rows])
-        sampled.append(np.full(len(rows), context.plan[at].kind == "certify"))
+        sampled.append(np.full(len(rows), at in context.results and context.results[at].certificate is not None))
         origins += [Origin(position=at, index=int(row)) for row in rows]
     every = np.concatenate(points)
     normal = starts.normal(problem.distributions.uniform(every))
@@ -117,8 +116,8 @@ def _certified(context: Context) -> Counts:
     """The counts of the run's independent sample, all that were drawn, whichever of them are stored."""
     distributions = context.problem.distributions
     for result in context.results.values():
-        if isinstance(result, CertifyResult):
-            of = result.sample
+        if result.certificate is not None:
+            of = result.certificate.sample
             outside = _beyond(distributions.outside, of.samples, of.samples + of.excluded)
             # Its correlated draws beyond the bounds were drawn again within them.
             return Counts(of.violations, of.failed, of.samples, outside if distributions.unbounded else 0.0)

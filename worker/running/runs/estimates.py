@@ -18,6 +18,7 @@ from worker.engine.rare.estimate import Estimate, Refused, estimated, without_fa
 from worker.engine.search.base import Batch
 from worker.engine.stages.estimate import STREAM, density
 from worker.evidence.audit import draw, limits
+from worker.evidence.audit.alarms import certifying
 from worker.evidence.audit.estimate import Drawn, Searched
 from worker.evidence.audit.recompute import Run
 from worker.evidence.audit.record import Record
@@ -42,21 +43,21 @@ def repeated(record: Record) -> dict[int, Searched | None]:
 
 def _repeated(run: Run, k: int) -> Searched | None:
     own = draw.distributed(run.campaign, run.bounds)
-    given = _starts(run, k, own)
-    made, requests = _answered(run, k, own, given) if len(given.first) else (Refused("no_violation"), [])
-    if made is None or (not len(given.first) and (run.stage == k).any()):
+    known = _starts(run, k, own)
+    made, requests = _answered(run, k, own, known) if len(known.first) else (Refused("no_violation"), [])
+    if made is None or (not len(known.first) and (run.stage == k).any()):
         return None
     if isinstance(made, Refused):
-        why = "too_far" if without_far(made, given.moved) != made else made.why
+        why = "too_far" if without_far(made, known.moved) != made else made.why
         nothing = ImportanceDensity(designs=[], centres=[], covariances=[], shares=[])
         return Searched(nothing, [], {}, refused=(why, made.limit))
-    of_modes = [[given.origins[one] for one in mode.origins or ()] for mode in made.modes]
+    of_modes = [[known.origins[one] for one in mode.origins or ()] for mode in made.modes]
     found: dict[str, float] = {alarm.why: alarm.value for alarm in made.alarms if alarm.why in OF_SEARCH}
     drawn = Drawn(*made.sampled, made.drawn, np.concatenate(requests)[-made.drawn :])
     return Searched(density(made.mixture), of_modes, found, drawn)
 
 
-def _answered(run: Run, k: int, own: Distributions, given: _Given) -> tuple[Estimate | Refused | None, list[Any]]:
+def _answered(run: Run, k: int, own: Distributions, known: _Starts) -> tuple[Estimate | Refused | None, list[Any]]:
     """The result of the search that receives the stored evaluations, and its requests in standard normal space."""
     here = run.stage == k
     points, costs, status = run.points[here], run.every[here], run.status[here]
@@ -68,13 +69,13 @@ def _answered(run: Run, k: int, own: Distributions, given: _Given) -> tuple[Esti
 
     seed = np.random.SeedSequence(int(run.claims["results"][k]["seed"]), spawn_key=(STREAM,))
     searching = estimated(
-        given.first,
+        known.first,
         run.threshold,
         run.plan[k].planned,
         np.random.default_rng(seed),
         run.campaign.confidence,
         lambda normal: ~own.beyond(cube(normal)),
-        given.stored,
+        known.stored,
     )
     done, batch, requests = 0, None, list[Any]()
     try:
@@ -90,8 +91,8 @@ def _answered(run: Run, k: int, own: Distributions, given: _Given) -> tuple[Esti
         return end.value if done == len(points) else None, requests
 
 
-class _Given(NamedTuple):
-    """What the search is given: starts (k, n) and all stored violations in standard normal space, which starts are
+class _Starts(NamedTuple):
+    """What the search is known: starts (k, n) and all stored violations in standard normal space, which starts are
     farther in a tail than these, and where the starts and after them all others are stored."""
 
     first: Any
@@ -100,7 +101,7 @@ class _Given(NamedTuple):
     origins: Origins
 
 
-def _starts(run: Run, k: int, own: Distributions) -> _Given:
+def _starts(run: Run, k: int, own: Distributions) -> _Starts:
     """The violations of the stages before, as the stage chooses among them by the rules of its version."""
     ok = run.status == OK
     low = np.where(ok, run.raw, np.inf)
@@ -113,8 +114,8 @@ def _starts(run: Run, k: int, own: Distributions) -> _Given:
         first = earlier.chosen(run.points[rows], low[rows], budget)
         normal, stored = earlier.normal(uniform), None
     else:
-        sampled = np.array([run.plan[at].kind == "certify" for at in run.stage[rows]], dtype=bool)
+        sampled = np.isin(run.stage[rows], certifying(run))
         stored = normal = starts.normal(uniform)
         first = starts.chosen(starts.Stored(run.points[rows], low[rows], normal, sampled), budget)
     moved = starts.moved(uniform[first]) & (run.wording >= limits.WIDER)
-    return _Given(normal[first], stored, moved, [of[row] for row in (*first, *range(len(of)))])
+    return _Starts(normal[first], stored, moved, [of[row] for row in (*first, *range(len(of)))])

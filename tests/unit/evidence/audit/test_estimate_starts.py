@@ -18,10 +18,10 @@ from campaigns.results.estimate import Estimation
 from tests.audited import audited
 from tests.given.corrupted_records import Folder, copied, made, written
 from tests.given.forgeries import ESTIMATE
+from tests.given.record_versions import copies, follows
 from tests.given.sampled_stages import DRAWN
 from tests.simulators import noisy
 from tests.simulators.adversaries import ADVERSARIES, Call, adversary
-from tests.unit.evidence.audit.test_earlier_rules import copies, follows
 from worker.engine.rare import earlier, starts
 from worker.engine.rare.alarms import NOTHING
 from worker.engine.rare.estimate import estimated

@@ -92,7 +92,7 @@ def _answered(run: Run, k: int, own: Distributions, known: _Starts) -> tuple[Est
 
 
 class _Starts(NamedTuple):
-    """What the search is known: starts (k, n) and all stored violations in standard normal space, which starts are
+    """What the search begins with: starts (k, n) and all stored violations in standard normal space, which starts are
     farther in a tail than these, and where the starts and after them all others are stored."""
 
     first: Any

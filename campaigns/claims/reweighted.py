@@ -80,6 +80,14 @@ def beyond(paths: Sequence[str]) -> Spans:
     )
 
 
+def at_bound(paths: Sequence[str]) -> Spans:
+    """Draws were rounded to a bound where the density is unbounded, so that there is no ratio of densities."""
+    return say(
+        *("no estimate: draws of ", listed([symbol(path) for path in paths]), " are rounded to a bound, where the "),
+        "density of such a beta distribution is unbounded, so their weights are not known; state larger shapes",
+    )
+
+
 def outside(fraction: float, most: float) -> Spans:
     """Too many draws would be where nothing was evaluated."""
     return say(

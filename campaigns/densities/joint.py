@@ -111,6 +111,13 @@ class Joint:
         joined = (scores**2).sum(axis=1) - ((scores @ self.whitening.T) ** 2).sum(axis=1)
         return np.asarray(own + joined / 2.0 + np.linalg.slogdet(self.whitening)[1])
 
+    def rounded(self, values: Floats) -> list[str]:
+        """The parameters of which a value (m, n) in its units is at a bound where the density is unbounded: the draws
+        there are those that were rounded to it, whose probability is not that of a density."""
+        points = np.clip(cube.share(values, self.low, self.high), 0.0, 1.0)
+        columns = enumerate(self.shapes.items())
+        return [path for k, (path, one) in columns if np.isposinf(one.log_density(points[:, k])).any()]
+
     def log_density_at(self, values: Floats) -> Floats:
         """The log density (m,) at values (m, n) in the parameters' units, per these; minus infinity outside the
         bounds."""

@@ -68,7 +68,8 @@ def reweighted(stated: Joint, moved: Joint, drawn: Drawn, terms: Terms) -> Rewei
         outside=moved.outside,
         confidence=terms.confidence,
     )
-    if refusal := _refused(stated, moved, found):
+    at_bound = [*stated.rounded(stated.values(drawn.points)), *stated.rounded(trials), *moved.rounded(trials)]
+    if refusal := _refused(stated, moved, found, at_bound):
         return found.model_copy(update={"statement": refusal})
     kept = float(weights.sum() / every.sum())
     return _estimated(found, _Weighted(weights / weights.sum(), costs, ratios, kept), terms)
@@ -118,14 +119,17 @@ def _kish(weights: Floats) -> float:
     return float(weights.sum() ** 2 / (weights**2).sum()) if weights.any() else 0.0
 
 
-def _refused(stated: Joint, moved: Joint, found: Reweighted) -> Spans:
-    """Why there is no estimate; empty if there is one."""
+def _refused(stated: Joint, moved: Joint, found: Reweighted, at_bound: list[str]) -> Spans:
+    """Why there is no estimate; empty if there is one. at_bound: parameters with draws rounded to a bound where the
+    density is unbounded."""
     ceiling, slack = rules.CEILING.value, ROUNDING * (stated.high - stated.low)
     beyond = (moved.low < stated.low - slack) | (moved.high > stated.high + slack)
     if wider := [path for path, one in zip(stated.shapes, beyond, strict=True) if one]:
         return claims.beyond(wider)
     if moved.outside > ceiling:
         return claims.outside(moved.outside, ceiling)
+    if at_bound:
+        return claims.at_bound(list(dict.fromkeys(at_bound)))
     redrawn = sum(one.outside for k, one in enumerate(stated.shapes.values()) if k in stated.mixed)
     if redrawn > REDRAWN:
         return claims.redrawn(redrawn)

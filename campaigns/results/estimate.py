@@ -8,7 +8,7 @@ from campaigns.documented import UNLESS_NONE
 from campaigns.results.base import Described, Result, Values
 from campaigns.results.sample import Count
 
-NoEstimateWhy = Literal["no_violation", "budget", "parameters", "noise"]
+NoEstimateWhy = Literal["no_violation", "too_far", "budget", "parameters", "noise"]
 
 
 class Rows(Result):

@@ -159,6 +159,10 @@ def unsaturated(modes_met: int) -> Spans:
 
 
 NO_VIOLATION = say("no violation is known to begin with")
+TOO_FAR = say(
+    "the violations that are known are more than eight standard deviations in the tail of a distribution, where the "
+    "numbers of this stage do not separate them from a bound"
+)
 NOISE = say(
     "the results of the simulator do not repeat, so P(violation) is also over its noise, of which the estimate would "
     "miss rare realisations without a sign"

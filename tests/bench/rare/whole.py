@@ -54,12 +54,13 @@ def whole(problem: Problem, cube: str, seed: int) -> Whole:
     searched = run(auto, lambda points: problem.costs(normal(points)), problem.dimension, budget, seed=seed)
     points, costs = searched.points[:budget], np.concatenate(searched.values)[:budget]
     violations = np.flatnonzero(costs <= 0.0)
-    rows = violations[starts.chosen(points[violations], costs[violations], BUDGET)]
-    given = np.clip(normal(points[rows]), -6.0, 6.0)
+    stored = np.clip(normal(points[violations]), -6.0, 6.0)
+    known = starts.Stored(points[violations], costs[violations], stored, np.zeros(len(stored), dtype=bool))
+    given = stored[starts.chosen(known, BUDGET)]
     random = np.random.default_rng([seed, *problem.name.encode(), *cube.encode()])
     made: Estimate | Refused = Refused("no_violation")
     if len(given):
-        made, _ = carried_out(estimated(given, 0.0, BUDGET, random), problem.costs)
+        made, _ = carried_out(estimated(given, 0.0, BUDGET, random, stored=stored), problem.costs)
     large = [mode for mode in problem.modes if mode.probability > LARGE * problem.probability]
     of_starts = sum(bool((mode.limit(given) <= 0.0).any()) for mode in large)
     if isinstance(made, Refused):

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import Literal
+from dataclasses import dataclass, replace
+from typing import Literal, NamedTuple
 
 import numpy as np
 
@@ -22,6 +22,20 @@ likely: Good, The population frequencies of species (Biometrika 40, 1953)."""
 Why = Literal["sample", "weight", "few", "unexplained", "unsaturated"]
 
 
+class Counts(NamedTuple):
+    """Of an independent sample: violations, failed evaluations among them, all that are not excluded, and by how much
+    its probability may be above that of the estimate, which counts no violation beyond the bounds."""
+
+    violations: int = 0
+    failed: int = 0
+    samples: int = 0
+    outside: float = 0.0
+
+
+NOTHING = Counts()
+"""Without such a sample."""
+
+
 @dataclass(frozen=True)
 class Alarm:
     """Why a mode seems to be missing, with the number that shows it.
@@ -33,6 +47,8 @@ class Alarm:
 
     why: Why
     value: float
+    counts: Counts = NOTHING
+    """Of the sample that contradicts the interval."""
 
 
 def effective(terms: Floats) -> float:
@@ -40,8 +56,17 @@ def effective(terms: Floats) -> float:
     return float(terms.sum() ** 2 / max(np.sum(terms**2), 1e-300))
 
 
-def alarms(terms: Floats, found: Interval, sample: Evaluated, known: Known, left: int) -> tuple[Alarm, ...]:
-    """All that apply: terms are the weights of violations, else zero; `left` violations were not explained."""
+def alarms(
+    terms: Floats, found: Interval, sample: Evaluated, known: Known, left: int, certified: Counts = NOTHING
+) -> tuple[Alarm, ...]:
+    """All that apply: terms are the weights of violations, else zero; `left` violations were not explained; certified:
+    the sample of the run, which is larger than that of the stage."""
+    own = Counts(
+        int(np.count_nonzero(sample.violates)),
+        int(np.count_nonzero(sample.failed)),
+        int(np.count_nonzero(~sample.excluded)),
+    )
+    shown = certified if certified.samples and _contradicts(certified, found) else own
     largest = float(terms.max() / max(terms.sum(), 1e-300))
     single = sum(n == 1 for n, own in zip(known.reached, known.origins, strict=True) if own is None)
     checks: list[tuple[bool, Why, float]] = [
@@ -49,16 +74,17 @@ def alarms(terms: Floats, found: Interval, sample: Evaluated, known: Known, left
         (largest > LARGEST, "weight", largest),
         (effective(terms) < FEWEST, "few", effective(terms)),
         (single >= SINGLE and single > SINGLE_PART * known.reached.sum(), "unsaturated", single),
-        (_contradicts(sample, found), "sample", int(np.count_nonzero(sample.violates))),
+        (_contradicts(shown, found), "sample", shown.violations),
     ]
-    return tuple(Alarm(why, float(value)) for raised, why, value in checks if raised)
+    made = (Alarm(why, float(value)) for raised, why, value in checks if raised)
+    return tuple(replace(alarm, counts=shown) if alarm.why == "sample" else alarm for alarm in made)
 
 
-def _contradicts(sample: Evaluated, found: Interval) -> bool:
-    """Whether the independent sample has too many or too few violations for any probability in the interval."""
+def _contradicts(counts: Counts, found: Interval) -> bool:
+    """Whether an independent sample has too many or too few violations for any probability in the interval."""
     from scipy import stats  # imported late, as in all of this room: a campaign's process must start fast
 
-    count, violations = int(np.count_nonzero(~sample.excluded)), int(np.count_nonzero(sample.violates))
-    many = stats.binom.sf(violations - 1, count, found.high)
-    few = stats.binom.cdf(violations, count, found.low)
+    low, high = found.low * (1.0 - counts.outside), min(1.0, found.high + counts.outside)
+    many = stats.binom.sf(counts.violations - 1, counts.samples, high)
+    few = stats.binom.cdf(counts.violations, counts.samples, low)
     return bool(min(many, few) < CHANCE / 2.0)

@@ -14,10 +14,10 @@ from typing import Literal
 import numpy as np
 
 from worker.engine.rare import hidden
-from worker.engine.rare.alarms import Alarm, alarms, effective
+from worker.engine.rare.alarms import NOTHING, Alarm, Counts, alarms, effective
 from worker.engine.rare.design import cost
 from worker.engine.rare.evaluated import Allowance, Asking, Bools, Evaluated, Floats, evaluated
-from worker.engine.rare.explained import explained
+from worker.engine.rare.explained import examined, explained
 from worker.engine.rare.interval import Interval, interval
 from worker.engine.rare.known import Known
 from worker.engine.rare.mixture import Mixture
@@ -34,7 +34,8 @@ MOST_PARAMETERS = 20
 class Mode:
     """One mode: its design point in standard normal space, its share of P, and the violations that led to it.
 
-    origins: numbers of the given violations; None where the search for hidden modes found it.
+    origins: numbers of the given violations, the stored ones after the starts; None where the search for hidden modes
+    found it.
     """
 
     design: Floats
@@ -64,8 +65,13 @@ class Estimate:
 class Refused:
     """Why there is no estimate; limit: the least budget, or the most parameters."""
 
-    why: Literal["no_violation", "budget", "parameters"]
+    why: Literal["no_violation", "too_far", "budget", "parameters"]
     limit: int = 0
+
+
+def without_far(made: Estimate | Refused, moved: Bools) -> Estimate | Refused:
+    """The refusal with its reason where no start violates because some were moved from farther in a tail."""
+    return Refused("too_far") if made == Refused("no_violation") and moved.any() else made
 
 
 def estimated(
@@ -75,14 +81,17 @@ def estimated(
     random: np.random.Generator,
     confidence: float = 0.95,
     inside: Callable[[Floats], Bools] = lambda points: np.ones(len(points), dtype=bool),
+    stored: Floats | None = None,
+    certified: Counts = NOTHING,
 ) -> Asking[Estimate | Refused]:
-    """The estimate from violations (k, n) in standard normal space, the lowest cost first, in `budget` evaluations.
+    """The estimate from violations (k, n) in standard normal space, in this order, in `budget` evaluations.
 
-    The search for modes counts points that are not inside like any other, the estimate as no violations.
+    The search for modes counts points that are not inside like any other, the estimate as no violations. stored: all
+    known violations (m, n), of which those of no known mode are examined; certified: of the run's independent sample.
     """
     allowed = Allowance(threshold, budget)
     rounds, keep = int(ADAPTING * budget), int(FINAL * budget) + ROUNDS * int(ADAPTING * budget)
-    started = yield from _started(violations, allowed, keep)
+    started = yield from _started(violations, allowed, keep, stored)
     if isinstance(started, Refused):
         return started
     known, left = started
@@ -102,13 +111,15 @@ def estimated(
         effective(terms),
         len(terms),
         int(np.count_nonzero(seen.failed)),
-        alarms(terms, found, sample, known, left),
+        alarms(terms, found, sample, known, left, certified),
         mixture,
         sampled,
     )
 
 
-def _started(violations: Floats, allowed: Allowance, keep: int) -> Asking[tuple[Known, int] | Refused]:
+def _started(
+    violations: Floats, allowed: Allowance, keep: int, stored: Floats | None
+) -> Asking[tuple[Known, int] | Refused]:
     """The modes of the given violations, and how many have none; points that do not violate are passed over."""
     n = violations.shape[1]
     if n > MOST_PARAMETERS:
@@ -124,6 +135,8 @@ def _started(violations: Floats, allowed: Allowance, keep: int) -> Asking[tuple[
     left = yield from explained(violations[seen.violates], known, allowed, keep + others, origins=True)
     numbers = np.flatnonzero(seen.violates)
     known.origins = [None if own is None else numbers[own].tolist() for own in known.origins]
+    if stored is not None:
+        left += yield from examined(stored, violations, known, allowed, keep + others)
     return known, left
 
 

@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Generator
 
 import numpy as np
+from numpy.typing import NDArray
 
 from campaigns.claims.stages import estimate as sentences
 from campaigns.results.base import EXCLUDED, OK
@@ -25,9 +26,11 @@ from campaigns.stages.estimate import EstimateResult
 from campaigns.stored.records import Columns
 from worker.engine.problem.problem import Problem
 from worker.engine.rare import starts
-from worker.engine.rare.alarms import FEWEST, Alarm
-from worker.engine.rare.estimate import Estimate, Mode, Refused, estimated
+from worker.engine.rare.alarms import FEWEST, Alarm, Counts
+from worker.engine.rare.alarms import NOTHING as NO_SAMPLE
+from worker.engine.rare.estimate import Estimate, Mode, Refused, estimated, without_far
 from worker.engine.rare.mixture import Mixture
+from worker.engine.rare.starts import Stored
 from worker.engine.search.base import Batch, Ended, Floats
 from worker.engine.stages.parts import noise
 from worker.engine.stages.parts.base import all_columns, drive, stream
@@ -44,13 +47,15 @@ def run(context: Context, position: int) -> Outcome[EstimateResult]:
     """Search for the modes, draw, and state what follows."""
     request, seed = context.campaign.stages.estimate, context.sample_seed
     assert request is not None
-    points, origins = _violations(context, position, request.evaluations)
+    known, first, origins = _violations(context, position, request.evaluations)
     made, outside = list[Estimate | Refused](), context.problem.distributions.outside
-    driven = drive(context, position, _search(context, points, request.evaluations, made), request.evaluations + 1)
+    searching = _search(context, known, first, request.evaluations, made)
+    driven = drive(context, position, searching, request.evaluations + 1)
     empty = EstimateResult(
         confidence=context.campaign.confidence, outside=outside, seed=seed.value, drawn_at_launch=not seed.stated
     )
-    outcome = made[0] if made else Refused("no_violation")
+    uniform = context.problem.distributions.uniform(known.points[first])
+    outcome = without_far(made[0] if made else Refused("no_violation"), starts.moved(uniform))
     if isinstance(outcome, Refused):
         return Outcome(_refused(context, outcome, request.evaluations, empty))
     assert driven.columns is not None
@@ -58,34 +63,43 @@ def run(context: Context, position: int) -> Outcome[EstimateResult]:
     return Outcome(_estimated(outcome, modes, driven.columns, request.evaluations, empty))
 
 
-def _violations(context: Context, position: int, budget: int) -> tuple[Floats, list[Origin]]:
-    """Stored violations, the lowest first, and failed evaluations after them, that are apart; and where they are.
-
-    Empty without a violation.
-    """
-    problem, points, costs, origins = context.problem, [np.empty((0, context.problem.dimension))], [np.empty(0)], []
+def _violations(context: Context, position: int, budget: int) -> tuple[Stored, NDArray[np.int64], list[Origin]]:
+    """All violations and failed evaluations of the stages before, the rows of the starts among them, and where the
+    starts and after them all others are stored; no row without a violation."""
+    problem, points, costs = context.problem, [np.empty((0, context.problem.dimension))], [np.empty(0)]
+    sampled, origins = [np.empty(0, dtype=bool)], list[Origin]()
     for at, columns in all_columns(context, list(range(position))):
         ok = columns.status == OK
         low = np.where(ok, np.nan_to_num(columns.costs[:, 0], nan=np.inf), np.inf)
         rows = np.flatnonzero((low <= problem.threshold) | (~ok & (columns.status != EXCLUDED)))
         points.append(columns.points[rows])
         costs.append(low[rows])
+        sampled.append(np.full(len(rows), at in context.results and context.results[at].certificate is not None))
         origins += [Origin(position=at, index=int(row)) for row in rows]
-    rows = starts.chosen(np.concatenate(points), np.concatenate(costs), budget)
-    return np.concatenate(points)[rows], [origins[row] for row in rows]
+    every = np.concatenate(points)
+    normal = starts.normal(problem.distributions.uniform(every))
+    known = Stored(every, np.concatenate(costs), normal, np.concatenate(sampled))
+    first = starts.chosen(known, budget)
+    return known, first, [origins[row] for row in (*first, *range(len(origins)))]
 
 
 def _search(
-    context: Context, points: Floats, budget: int, made: list[Estimate | Refused]
+    context: Context, known: Stored, first: NDArray[np.int64], budget: int, made: list[Estimate | Refused]
 ) -> Generator[Floats, Batch, str]:
     """The estimate, with its requests as points of the unit cube."""
     problem, random = context.problem, stream(context.sample_seed.value, STREAM)
-    if noise.noisy(context) or not len(points):
+    if noise.noisy(context) or not len(first):
         return NOTHING
-    normal = starts.normal(problem.distributions.uniform(points))
     distributions, confidence = problem.distributions, context.campaign.confidence
     searching = estimated(
-        normal, problem.threshold, budget, random, confidence, lambda u: ~distributions.beyond(_cube(problem, u))
+        known.normal[first],
+        problem.threshold,
+        budget,
+        random,
+        confidence,
+        lambda u: ~distributions.beyond(_cube(problem, u)),
+        known.normal,
+        _certified(context),
     )
     try:
         normal_points = next(searching)
@@ -96,6 +110,18 @@ def _search(
         outcome: Estimate | Refused = stopped.value
     made.append(outcome)
     return NOTHING if isinstance(outcome, Refused) else Ended("drawn", ENDED, draws=outcome.drawn)
+
+
+def _certified(context: Context) -> Counts:
+    """The counts of the run's independent sample, all that were drawn, whichever of them are stored."""
+    distributions = context.problem.distributions
+    for result in context.results.values():
+        if result.certificate is not None:
+            of = result.certificate.sample
+            outside = _beyond(distributions.outside, of.samples, of.samples + of.excluded)
+            # Its correlated draws beyond the bounds were drawn again within them.
+            return Counts(of.violations, of.failed, of.samples, outside if distributions.unbounded else 0.0)
+    return NO_SAMPLE
 
 
 def _cube(problem: Problem, normal: Floats) -> Floats:
@@ -111,6 +137,7 @@ def _refused(context: Context, refused: Refused, budget: int, empty: EstimateRes
     limit = 0 if noisy else refused.limit
     statement = {
         "no_violation": sentences.NO_VIOLATION,
+        "too_far": sentences.TOO_FAR,
         "noise": sentences.NOISE,
         "budget": sentences.too_few(limit, n, budget),
         "parameters": sentences.too_many(limit, n),
@@ -126,7 +153,7 @@ def _estimated(
     found, (first, count) = made.interval, made.sampled
     size = int(np.count_nonzero(columns.status[first : first + count] != EXCLUDED))
     failed = bool(np.isin(columns.status, (OK, EXCLUDED), invert=True).any())
-    alarms = [_alarm(alarm, size, found.probability, budget, failed) for alarm in made.alarms]
+    alarms = [_alarm(alarm, found.probability, budget, failed) for alarm in made.alarms]
     beyond = _beyond(empty.outside, size, count)
     low, high = found.low * (1.0 - beyond), min(1.0, found.high + beyond)
     if alarms:
@@ -176,11 +203,12 @@ def _mode(problem: Problem, mode: Mode, origins: list[Origin]) -> ViolationMode:
     )
 
 
-def _alarm(alarm: Alarm, size: int, probability: float, budget: int, failed: bool) -> EstimateAlarm:
-    """An alarm with its sentence; size: of the independent sample; failed: whether evaluations of the stage failed."""
+def _alarm(alarm: Alarm, probability: float, budget: int, failed: bool) -> EstimateAlarm:
+    """An alarm with its sentence; failed: whether evaluations of the stage failed."""
     match alarm.why:
         case "sample":
-            statement = sentences.contradicted(int(alarm.value), size, probability, failed)
+            violations, lost, size, _ = alarm.counts
+            statement = sentences.contradicted(violations, size, probability, lost > 0)
         case "weight":
             statement = sentences.single(alarm.value)
         case "few":

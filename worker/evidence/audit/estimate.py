@@ -16,18 +16,19 @@ import numpy as np
 from campaigns.claims.spans import Spans
 from campaigns.claims.stages import estimate as templates
 from campaigns.results.base import EXCLUDED, OK
-from campaigns.results.estimate import EstimateAlarm, Estimation, ImportanceDensity, NoEstimate, Rows, ViolationMode
+from campaigns.results.estimate import Estimation, ImportanceDensity, NoEstimate, Rows, ViolationMode
 from worker.evidence.audit import draw, limits
-from worker.evidence.audit.binomial import cumulative
+from worker.evidence.audit.alarms import Sampled, Weighted, of_no_mode, raised
 from worker.evidence.audit.parts import OMIT, REST, changed, made, read
 from worker.evidence.audit.recompute import Run
 from worker.evidence.audit.record import Missing
 
-STREAM, SAMPLED = 2**25, 0.06
-"""The random stream of the stage, which begins with the independent sample: this fraction of the budget."""
+STREAM, SAMPLED, FINAL = 2**25, 0.06, 0.33
+"""The random stream of the stage, which begins with the independent sample: this fraction of the budget; the least that
+is counted."""
 NOMINAL, UNIT, LEAST_SHARE, COVARIANCE = 0.1, 0.15, 0.3, 1.2
 """Of the density: the parts of the nominal one and of unit covariance, the least of an even share, a factor."""
-WIDER, LARGEST, FEWEST, CHANCE, MOST = 1.25, 0.2, 30.0, 0.005, 20
+WIDER, MOST = 1.25, 20
 TOLERANCE = 1e-4
 """Relative: a point is stored to 1e-16 of a range, of which a tail of probability 1e-12 has four digits."""
 ERRORS = 5.0
@@ -37,14 +38,25 @@ QUANTILE = np.vectorize(NormalDist().inv_cdf, otypes=[float])
 """The standard normal distribution function and its inverse."""
 
 
-class Searched(NamedTuple):
-    """The search of an estimate, repeated over its stored evaluations: why it refused, or its density, the stored
-    violations that led to each mode, and its alarms."""
+class Drawn(NamedTuple):
+    """What a search draws: where its independent sample begins and how large it is, how many draws are counted, the
+    last of its evaluations, and these in standard normal space, where they are not rounded to a bound."""
 
-    refused: tuple[str, int] | None
+    first: int
+    sampled: int
+    final: int
+    points: Any
+
+
+class Searched(NamedTuple):
+    """The search of an estimate, repeated over its stored evaluations: its density, the stored violations that led to
+    each mode, its alarms and its draws, or why it refused."""
+
     density: ImportanceDensity
     origins: list[list[dict[str, int]]]
     alarms: dict[str, float]
+    drawn: Drawn = Drawn(0, 0, 0, None)
+    refused: tuple[str, int] | None = None
 
 
 UNKNOWN = Missing("the search of the estimate was not repeated: another engine made it")
@@ -66,13 +78,13 @@ def placed(run: Run, k: int) -> dict[str, tuple[object, object]]:
     if stated.get("refused") is not None:
         return {} if run.calls.noisy else follows
     first, count = stated["independent"]["first"], stated["independent"]["count"]
-    points, final = run.rows(k)[0], stated["final"]["count"]
+    points, final, least = run.rows(k)[0], _drawn(run, k).final, int(FINAL * run.plan[k].planned)
     seed = np.random.SeedSequence(int(stated["seed"]), spawn_key=(STREAM,))
     normal = np.random.default_rng(seed).standard_normal((int(SAMPLED * run.plan[k].planned), len(run.bounds)))
     drawn = _cube(run, normal)
     near = np.abs(points[first : first + count] - drawn[:count]) <= draw.ROUNDING
     last = points[len(points) - final :]
-    weights, _ = _weights(_normal(run, last), read(ImportanceDensity, stated["density"]))
+    weights, _ = _weights(_draws(run, k), read(ImportanceDensity, stated["density"]))
     weights = np.where(_beyond(run, last), 0.0, weights)
     error, mean = float(weights.std(ddof=1)) / math.sqrt(len(weights)), float(weights.mean())
     fits = -run.outside() <= mean - 1.0 + ERRORS * max(error, 1e-9) and mean - 1.0 <= ERRORS * max(error, 1e-9)
@@ -82,7 +94,22 @@ def placed(run: Run, k: int) -> dict[str, tuple[object, object]]:
         f"independent sample of stage {k}": (len(drawn), int(near.all(axis=1).sum())),
         f"weights of stage {k}": (1, int(fits)),
         f"origins of stage {k}": (len(origins), int(violating)),
+        f"draws of stage {k}": (least, min(final, least)),
     }
+
+
+def _drawn(run: Run, k: int) -> Drawn:
+    """The draws of the repeated search; of one that was not repeated as stated."""
+    again, stated = _again(run, k), run.claims["results"][k]
+    if again is not None:
+        return again.drawn
+    return Drawn(stated["independent"]["first"], stated["independent"]["count"], stated["final"]["count"], None)
+
+
+def _draws(run: Run, k: int) -> Any:
+    """The counted draws in standard normal space."""
+    drawn, points = _drawn(run, k), run.rows(k)[0]
+    return _normal(run, points[len(points) - drawn.final :]) if drawn.points is None else drawn.points
 
 
 def _cube(run: Run, normal: Any) -> Any:
@@ -104,23 +131,27 @@ def estimated(run: Run, k: int) -> Estimation:
     points, _, status = run.rows(k)
     outside = _beyond(run, points)
     violates, budget = _violates(run, k) & ~outside, run.plan[k].planned
-    first, count, drawn = stated["independent"]["first"], int(SAMPLED * budget), stated["final"]["count"]
+    count, drawn = int(SAMPLED * budget), _drawn(run, k).final
+    again = _again(run, k)
+    first = stated["independent"]["first"] if again is None else again.drawn.first
     last, own = len(status) - drawn, slice(first, first + count)
     density = read(ImportanceDensity, stated["density"])
-    weights, responsible = _weights(_normal(run, points[last:]), density)
-    failed = (status[last:] != OK) & (status[last:] != EXCLUDED) & ~outside[last:]
+    weights, responsible = _weights(_draws(run, k), density)
     terms, kept = np.where(violates[last:], weights, 0.0), int(np.count_nonzero(status[own] != EXCLUDED))
-    interval = _interval(terms, np.where(failed, 0.0, terms), (kept, count), run.campaign.confidence)
+    lost = (status != OK) & (status != EXCLUDED) & ~outside
+    interval = _interval(terms, np.where(lost[last:], 0.0, terms), (kept, count), run.campaign.confidence)
     terms = terms if interval.probability else np.zeros_like(terms)
-    sample = int(np.count_nonzero(violates[own])), kept
-    again = _again(run, k)
+    sample = Sampled(int(np.count_nonzero(violates[own])), int(np.count_nonzero(lost[own])), kept)
     searched = {alarm["why"]: float(alarm["value"]) for alarm in stated["alarms"]}
     if again is not None:
         kinds = searched.keys() - {"unexplained", "unsaturated"}
         searched = {why: searched[why] for why in kinds} | again.alarms
         found = changed(found, density=_density(again.density, density))
+    if left := _left(run, k, density):
+        searched["unexplained"] = float(left)
     effective = float(terms.sum() ** 2 / max(float(np.sum(terms**2)), 1e-300))
-    alarms = _alarms(searched, terms, interval, effective, sample)
+    stating = run, k, _near(interval.probability, stated["probability"])
+    alarms = raised(stating, searched, Weighted(terms, effective, interval.low, interval.high), sample)
     outer = interval.beyond(_tails(run, kept, count))
     low, high = (None, None) if alarms else (outer.low, outer.high)
     variation = interval.variation if math.isfinite(interval.variation) else None
@@ -129,11 +160,20 @@ def estimated(run: Run, k: int) -> Estimation:
     near = {name: _near(value, stated[name]) for name, value in numbers.items()}
     shares = (terms @ responsible / max(float(terms.sum()), 1e-300)).tolist()
     found = changed(
-        found, **near, draws=drawn, failed_draws=int(np.count_nonzero(failed)), final=made(Rows, first=last, **REST),
-        independent=made(Rows, count=count, **REST), modes=_modes(run, k, density, shares),
-        alarms=[_with_statement(run, k, alarm, sample, near["probability"]) for alarm in alarms],
+        found, **near, draws=drawn, failed_draws=int(np.count_nonzero(lost[last:])), alarms=alarms,
+        final=made(Rows, first=last, count=drawn), independent=made(Rows, first=first, count=count),
+        modes=_modes(run, k, density, shares),
     )  # fmt: skip
     return found if run.reworded else changed(found, statement=_statement(run, k, found, count - kept))
+
+
+def _left(run: Run, k: int, density: ImportanceDensity) -> int:
+    """Of an earlier version, judged by the rules of today: how many stored violations may be of another mode. Of those
+    the search of today examines each."""
+    if not run.written < limits.WIDER <= run.wording:
+        return 0
+    before = [run.rows(at)[0][_violates(run, at)] for at in range(k)]
+    return of_no_mode(_normal(run, np.concatenate(before)), np.array(density.designs))
 
 
 def _density(adapted: ImportanceDensity, stated: ImportanceDensity) -> ImportanceDensity:
@@ -218,45 +258,6 @@ def _tails(run: Run, kept: int, drawn: int) -> float:
     return min(1.0, run.outside() / share) if share else 1.0
 
 
-def _alarms(
-    alarm_values: dict[str, float], terms: Any, interval: Interval, effective: float, sample: tuple[int, int]
-) -> list[EstimateAlarm]:
-    """All alarms in their order; alarm_values: as stated, those of the search as repeated."""
-    largest, (violations, size) = float(terms.max() / max(float(terms.sum()), 1e-300)), sample
-    many = _at_most(size - violations, size, 1.0 - interval.high)
-    few = _at_most(violations, size, interval.low)
-    raised = {
-        "unexplained": ("unexplained" in alarm_values, alarm_values.get("unexplained")),
-        "weight": (largest > LARGEST, largest),
-        "few": (effective < FEWEST, effective),
-        "unsaturated": ("unsaturated" in alarm_values, alarm_values.get("unsaturated")),
-        "sample": (min(many, few) < CHANCE / 2.0, float(violations)),
-    }
-    values: dict[Any, float] = {why: _near(value, alarm_values.get(why)) for why, (on, value) in raised.items() if on}
-    return [made(EstimateAlarm, why=why, value=value) for why, value in values.items()]
-
-
-def _at_most(events: int, samples: int, p: float) -> float:
-    """P(Binomial(samples, p) <= events)."""
-    if not 0.0 < p < 1.0 or events >= samples:
-        return float(p <= 0.0 or events >= samples)
-    return math.exp(cumulative(events, samples, p)[-1])
-
-
-def _with_statement(
-    run: Run, k: int, alarm: EstimateAlarm, sample: tuple[int, int], probability: float
-) -> EstimateAlarm:
-    value, budget, failed = alarm.value, run.plan[k].planned, _failed(run, k)
-    worded = {
-        "unexplained": lambda: templates.unexplained(int(value), budget, failed),
-        "weight": lambda: templates.single(value),
-        "few": lambda: templates.few(value, FEWEST),
-        "unsaturated": lambda: templates.unsaturated(int(value)),
-        "sample": lambda: templates.contradicted(*sample, probability, failed),
-    }
-    return alarm if run.reworded else changed(alarm, statement=worded[alarm.why]())
-
-
 def _modes(run: Run, k: int, density: ImportanceDensity, shares: list[float]) -> list[ViolationMode]:
     """The modes at the centres of the density, with the stored violations that led to them."""
     found = []
@@ -306,11 +307,14 @@ def _refused(run: Run, k: int, found: Estimation) -> Estimation:
         why, limit = "parameters", MOST
     elif isinstance(again, Searched) and again.refused is not None:
         why, limit = again.refused
+    elif isinstance(again, Missing) and why == "too_far":
+        limit = 0
     else:
         why, limit = "budget", max(limit, budget + 1)
     statement = {
         "noise": templates.NOISE,
         "no_violation": templates.NO_VIOLATION,
+        "too_far": templates.TOO_FAR,
         "parameters": templates.too_many(limit, n),
         "budget": templates.too_few(limit, n, budget),
     }[why]

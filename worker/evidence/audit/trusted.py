@@ -68,7 +68,8 @@ TRUSTED = (
     ),
     Trusted(
         "Of an estimate of P(violation) by another engine, whose search does not repeat here: the density of draws, "
-        "the origins of a mode, the least budget, and the alarms of violations without a mode and of modes met once",
+        "how many of them are counted (a third of the budget at least), the origins of a mode, the least budget, that "
+        "all known violations are too far, and the alarms of violations without a mode and of modes met once",
         "the engine here repeats the search over the stored evaluations, and any density that was fixed before the "
         "draws gives an unbiased estimate; the numbers, the interval, the shares and the other alarms are recomputed",
         (),

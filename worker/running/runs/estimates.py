@@ -6,19 +6,20 @@ search follow, too, which `worker.evidence.audit.estimate` compares.
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from campaigns.results.base import EXCLUDED, OK
 from campaigns.results.estimate import ImportanceDensity
 from worker.engine.problem.distributions import Distributions
-from worker.engine.rare import starts
-from worker.engine.rare.estimate import Estimate, Refused, estimated
+from worker.engine.rare import earlier, starts
+from worker.engine.rare.estimate import Estimate, Refused, estimated, without_far
 from worker.engine.search.base import Batch
 from worker.engine.stages.estimate import STREAM, density
-from worker.evidence.audit import draw
-from worker.evidence.audit.estimate import Searched
+from worker.evidence.audit import draw, limits
+from worker.evidence.audit.alarms import certifying
+from worker.evidence.audit.estimate import Drawn, Searched
 from worker.evidence.audit.recompute import Run
 from worker.evidence.audit.record import Record
 
@@ -42,20 +43,22 @@ def repeated(record: Record) -> dict[int, Searched | None]:
 
 def _repeated(run: Run, k: int) -> Searched | None:
     own = draw.distributed(run.campaign, run.bounds)
-    first, origins = _starts(run, k)
-    made = _answered(run, k, own, first) if len(first) else Refused("no_violation")
-    if made is None or (not len(first) and (run.stage == k).any()):
+    known = _starts(run, k, own)
+    made, requests = _answered(run, k, own, known) if len(known.first) else (Refused("no_violation"), [])
+    if made is None or (not len(known.first) and (run.stage == k).any()):
         return None
     if isinstance(made, Refused):
+        why = "too_far" if without_far(made, known.moved) != made else made.why
         nothing = ImportanceDensity(designs=[], centres=[], covariances=[], shares=[])
-        return Searched((made.why, made.limit), nothing, [], {})
-    of_modes = [[origins[one] for one in mode.origins or ()] for mode in made.modes]
+        return Searched(nothing, [], {}, refused=(why, made.limit))
+    of_modes = [[known.origins[one] for one in mode.origins or ()] for mode in made.modes]
     found: dict[str, float] = {alarm.why: alarm.value for alarm in made.alarms if alarm.why in OF_SEARCH}
-    return Searched(None, density(made.mixture), of_modes, found)
+    drawn = Drawn(*made.sampled, made.drawn, np.concatenate(requests)[-made.drawn :])
+    return Searched(density(made.mixture), of_modes, found, drawn)
 
 
-def _answered(run: Run, k: int, own: Distributions, first: Any) -> Estimate | Refused | None:
-    """The result of the search that receives the stored evaluations."""
+def _answered(run: Run, k: int, own: Distributions, known: _Starts) -> tuple[Estimate | Refused | None, list[Any]]:
+    """The result of the search that receives the stored evaluations, and its requests in standard normal space."""
     here = run.stage == k
     points, costs, status = run.points[here], run.every[here], run.status[here]
 
@@ -66,33 +69,53 @@ def _answered(run: Run, k: int, own: Distributions, first: Any) -> Estimate | Re
 
     seed = np.random.SeedSequence(int(run.claims["results"][k]["seed"]), spawn_key=(STREAM,))
     searching = estimated(
-        starts.normal(own.uniform(first)),
+        known.first,
         run.threshold,
         run.plan[k].planned,
         np.random.default_rng(seed),
         run.campaign.confidence,
         lambda normal: ~own.beyond(cube(normal)),
+        known.stored,
     )
-    done, batch = 0, None
+    done, batch, requests = 0, None, list[Any]()
     try:
         while True:
             request = next(searching) if batch is None else searching.send(batch)
+            requests.append(request)
             rows = slice(done, done + len(request))
             done += len(request)
             if done > len(points) or np.abs(points[rows] - cube(request)).max() > NEAR:
-                return None
+                return None, requests
             batch = Batch(costs[rows], status[rows])
     except StopIteration as end:
-        return end.value if done == len(points) else None
+        return end.value if done == len(points) else None, requests
 
 
-def _starts(run: Run, k: int) -> tuple[Any, Origins]:
-    """The violations of the stages before, as the stage chooses among them; where each is stored."""
+class _Starts(NamedTuple):
+    """What the search begins with: starts (k, n) and all stored violations in standard normal space, which starts are
+    farther in a tail than these, and where the starts and after them all others are stored."""
+
+    first: Any
+    stored: Any
+    moved: Any
+    origins: Origins
+
+
+def _starts(run: Run, k: int, own: Distributions) -> _Starts:
+    """The violations of the stages before, as the stage chooses among them by the rules of its version."""
     ok = run.status == OK
     low = np.where(ok, run.raw, np.inf)
     rows = np.flatnonzero((run.stage < k) & ((low <= run.threshold) | (~ok & (run.status != EXCLUDED))))
     rows = rows[np.argsort(run.stage[rows], kind="stable")]
-    rows = rows[starts.chosen(run.points[rows], low[rows], run.plan[k].planned)]
-    begins = [int(np.argmax(run.stage == run.stage[row])) for row in rows]
-    origins = [{"position": int(run.stage[row]), "index": int(row) - at} for row, at in zip(rows, begins, strict=True)]
-    return run.points[rows], origins
+    uniform, budget = own.uniform(run.points[rows]), run.plan[k].planned
+    begins = {at: int(np.argmax(run.stage == at)) for at in set(run.stage[rows].tolist())}
+    of = [{"position": int(run.stage[row]), "index": row - begins[int(run.stage[row])]} for row in rows.tolist()]
+    if run.wording < limits.WIDER:
+        first = earlier.chosen(run.points[rows], low[rows], budget)
+        normal, stored = earlier.normal(uniform), None
+    else:
+        sampled = np.isin(run.stage[rows], certifying(run))
+        stored = normal = starts.normal(uniform)
+        first = starts.chosen(starts.Stored(run.points[rows], low[rows], normal, sampled), budget)
+    moved = starts.moved(uniform[first]) & (run.wording >= limits.WIDER)
+    return _Starts(normal[first], stored, moved, [of[row] for row in (*first, *range(len(of)))])

@@ -4,6 +4,7 @@ digest; what they accept follows in every one."""
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -18,6 +19,7 @@ from campaigns.results.estimate import Estimation
 from campaigns.results.verdict import VerdictWord
 from tests.given.case_campaigns import CASE1, searching
 from tests.given.corrupted_records import DIRECT, SQP, Folder, copied, made, since, write_called, written
+from tests.given.record_versions import copies, follows
 from tests.given.sampled_stages import DRAWN
 from tests.simulators import noisy
 from tests.simulators.adversaries import Call, adversary
@@ -26,7 +28,7 @@ from worker.engine.rare import starts
 from worker.engine.rare.evaluated import Evaluated
 from worker.engine.stages import validate
 from worker.engine.stages.parts import encounter as shown
-from worker.evidence.audit.judge import EARLIER, closing
+from worker.evidence.audit.judge import EARLIER
 from worker.evidence.verdicts import agreement
 from worker.running.runs.runner import execute
 from worker.running.runs.store import MemoryStore
@@ -62,23 +64,6 @@ FORGERIES: dict[str, tuple[Callable[[], Campaign], Any, str, Any]] = {
     "closest approach": (late, shown, "_beyond", lambda *_: None),
 }
 """By the check that holds in it: a campaign, and what of the engine its author replaces."""
-
-
-def follows(folder: Folder, version: int | None) -> bool:
-    """Whether the verdict follows from the record that states this version."""
-    if version is None:
-        folder.forget_seal()
-    else:
-        folder.result["versions"] |= {"wording": version}
-        folder.reseal()
-    return closing(folder.items())[0]
-
-
-def copies(folder: Path, versions: Sequence[int | None]) -> Iterator[tuple[int | None, Folder]]:
-    """The record for each of these versions."""
-    original = {str(file.relative_to(folder)): file.read_bytes() for file in folder.rglob("*") if file.is_file()}
-    for version in versions:
-        yield version, Folder(copied(original, folder))
 
 
 @every_version
@@ -174,7 +159,7 @@ def test_an_estimate_from_failed_evaluations_alone_follows_in_no_version(
             patch.setattr(Evaluated, "failed", property(lambda own: np.zeros(len(own.status), dtype=bool)))
             return (yield from started(*given))
 
-    monkeypatch.setattr(starts, "chosen", lambda points, costs, n: chosen(points, np.minimum(costs, 1e300), n))
+    monkeypatch.setattr(starts, "chosen", lambda of, n: chosen(replace(of, costs=np.minimum(of.costs, 1e300)), n))
     monkeypatch.setattr(rare, "_started", as_violations)
     store = MemoryStore(sample_seed=DRAWN)
     execute(of_failures, store, threads=1)

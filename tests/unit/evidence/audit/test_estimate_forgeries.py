@@ -25,8 +25,9 @@ from tests.given.forgeries import ESTIMATE
 from tests.given.sampled_stages import DRAWN
 from tests.simulators import noisy
 from tests.simulators.adversaries import adversary
-from worker.engine.rare import alarms
+from worker.engine.rare import alarms, earlier, starts
 from worker.engine.rare.mixture import Mixture
+from worker.evidence.audit import alarms as of_audit
 from worker.evidence.audit import estimate
 from worker.evidence.audit.judge import audit, closing
 from worker.running.catalogue.installed import catalogue
@@ -47,20 +48,25 @@ def narrow(patch: pytest.MonkeyPatch) -> None:
     patch.setattr(Mixture, "adapted", lambda own, *_: replace(own, covariances=own.covariances * 1e-3))
 
 
+def lowest(patch: pytest.MonkeyPatch) -> None:
+    """The starts are the lowest alone, as before version 15."""
+    patch.setattr(starts, "chosen", lambda known, budget: earlier.chosen(known.points, known.costs, budget))
+
+
 def limits(**values: float) -> Callable[[pytest.MonkeyPatch], None]:
     """Other limits of the alarms, of the audit too where it has them."""
 
     def change(patch: pytest.MonkeyPatch) -> None:
         for name, value in values.items():
             patch.setattr(alarms, name, value)
-            patch.setattr(estimate, name, value, raising=False)
+            patch.setattr(of_audit, name, value, raising=False)
 
     return change
 
 
 ALARMS = {
     "few": (0.9418, narrow),
-    "unexplained": (0.945, limits()),
+    "unexplained": (0.945, lowest),
     "weight": (0.942, limits(LARGEST=1e-9)),
     "sample": (0.942, limits(CHANCE=3.0)),
     "unsaturated": (0.942, limits(SINGLE=0, SINGLE_PART=-1.0)),

@@ -76,14 +76,14 @@ def _others(context: Context, position: int, certified: Sequence[int]) -> tuple[
     """Evaluations besides the sample, with their names, and how many are left out. A search looks for what is lowest
     within the horizon, and the sample where its distribution is; so those are chosen that are far from each other."""
     elsewhere = [at for at in range(position + 1) if at not in certified]
-    named, points = list[tuple[int, int]](), [np.empty((0, len(context.problem.nominal_point)))]
+    points, where = [np.empty((0, context.problem.dimension))], [np.empty((0, 2), dtype=np.int64)]
     for at, columns in all_columns(context, elsewhere):
         succeeded = np.flatnonzero(columns.status == OK)
-        named += [(at, int(i)) for i in succeeded]
         points.append(columns.points[succeeded])
-    every = np.concatenate(points)
+        where.append(np.stack([np.full_like(succeeded, at), succeeded], axis=1))
+    every, stored = np.concatenate(points), np.concatenate(where)
     chosen = apart(every, OTHERS)
-    return [(_named(context, *named[k]), every[k]) for k in chosen], len(every) - len(chosen)
+    return [(_named(context, *map(int, stored[k])), every[k]) for k in chosen], len(every) - len(chosen)
 
 
 def _named(context: Context, position: int, index: int) -> str:

@@ -175,7 +175,8 @@ class Beyond(Result):
     closer: int
     """How many of them come closer there than any evaluation of the run."""
     lowest: Later | None
-    """The one that comes closest; null if none meets an obstacle there."""
+    """The one that comes closest; null if none meets an obstacle there. Where none comes closer than an evaluation, its
+    value is the least at the samples of a line."""
     unknown: Annotated[Later | None, UNLESS_NONE] = None
     """The closest one to an obstacle that may come closer: it has states, or neither repeats its path nor ends it, and
     is neither at rest nor moves away at a constant velocity. Its value is that on straight lines."""

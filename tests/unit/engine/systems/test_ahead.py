@@ -244,7 +244,6 @@ def test_an_obstacle_of_ones_own_is_met_as_its_body_shows_it(body: str, moves: s
     place = here + by["x"] * velocity
     values |= {"x": float(place[0]) - 2.0 * END * values.get("v", 0.0), "y": float(place[1]) + 3.0}
     flights = among(own, values, criterion)
-    found = beyond.met(flights, ["nominal"], flights.vector({})[None, :], [None], -1e3, lambda: False)
     lowest, p = math.inf, Bar(**values)
     for v, after in product(
         (0.0 * velocity, velocity), np.arange(0.0, 2.0 * math.pi / p.turn if p.turn else 60.0, 1e-2)
@@ -252,6 +251,7 @@ def test_an_obstacle_of_ones_own_is_met_as_its_body_shows_it(body: str, moves: s
         q = here + min(after, END) * v
         shown = function(2.0 * END + after, (), (float(q[0]), float(q[1])), p)
         lowest = min(lowest, shown.gap if criterion == "surface_separation" else math.dist(q, (shown.x, shown.y)))
+    found = beyond.met(flights, ["nominal"], flights.vector({})[None, :], [None], lowest + 1e-3, lambda: False)
     assert found is not None
     assert found.unknown is None
     assert found.lowest is not None

@@ -12,6 +12,7 @@ import pytest
 from campaigns import library, load_file
 from campaigns.checked.foreseen import foreseen
 from campaigns.results.verdict import VerdictWord
+from tests.given.at_night import nightly_but
 from tests.given.case_campaigns import CASE1, searching
 from tests.given.corrupted_records import DIRECT, NOISE, SAMPLE, SQP, TURNING, certifying
 from tests.given.sampled_stages import DRAWN
@@ -37,7 +38,7 @@ BARRED: dict[str, tuple[Any, set[str]]] = {
 }
 
 
-@pytest.mark.parametrize("name", BARRED)
+@pytest.mark.parametrize("name", nightly_but(("a small sample", "one family", "a mean of realisations"), BARRED))
 def test_what_is_foreseen_bars_cleared(name: str) -> None:
     made, expected = BARRED[name]
     campaign, store = made(), MemoryStore(sample_seed=DRAWN)

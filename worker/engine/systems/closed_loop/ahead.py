@@ -47,9 +47,15 @@ class _Line(NamedTuple):
 
 
 class Ahead:
-    """One flight after its last sample: parameters, state, and what is seen there."""
+    """One flight after its last sample: parameters, state, and what is seen there.
 
-    def __init__(self, flights: Flights, row: Floats, state: Floats, seen: Seen, time: float) -> None:
+    below: a minimum that cannot be below this is known as exactly as the samples of its line.
+    """
+
+    def __init__(
+        self, flights: Flights, row: Floats, state: Floats, seen: Seen, time: float, below: float = math.inf
+    ) -> None:
+        self._below = below
         self._flights, self._loop, self._row, self._time = flights, flights.loop, row, time
         self._state, self._axes = state[: flights.loop.n_state], flights.parts.vehicle.dimension
         self._inputs = seen.commands[-1, : len(flights.parts.vehicle.inputs)]
@@ -146,7 +152,10 @@ class Ahead:
         best = float(channel[k]), k * each
         if len(channel) < 2 or self._flights.parts.criterion.over == "steps":
             return best
-        for begin in (int(i) * each for i in np.argsort(_least(channel), kind="stable")[:PLACES]):
+        least = _least(channel)
+        if self.value(obstacle, float(least.min())) >= self._below:
+            return best
+        for begin in (int(i) * each for i in np.argsort(least, kind="stable")[:PLACES]):
             width = each
             while width > FINEST * each * len(channel):
                 part = width / PIECES

@@ -169,7 +169,7 @@ def _extrapolated(flights: Flights, row: Floats, trace: Floats, last: int, below
     halfway = last - max(1, round(0.5 * flights.counts(flights.step)[0]))
     states = any(obstacle.states for obstacle in flights.parts.obstacles)
     before = _seen(flights, row, trace, halfway - 1, halfway) if states and halfway > 0 else seen
-    ahead = Ahead(flights, row, trace[last], seen, time)
+    ahead = Ahead(flights, row, trace[last], seen, time, below)
     for i, obstacle in enumerate(flights.parts.obstacles):
         closing = bool(seen.deciding[1, i] < seen.deciding[0, i])
         centres = np.concatenate([before.centres[:, i], seen.centres[:, i]])

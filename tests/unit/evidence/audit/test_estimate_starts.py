@@ -89,6 +89,7 @@ def test_the_likely_region_is_a_mode_of_the_estimate_and_no_interval_leaves_it_o
     assert stated.alarms or (stated.low or 0.0) < PROBABILITY < (stated.high or 0.0)
 
 
+@pytest.mark.nightly
 def test_an_interval_without_the_likely_region_follows_in_no_version(
     hidden: Campaign, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -105,6 +106,7 @@ def test_an_interval_without_the_likely_region_follows_in_no_version(
         assert f"{expected}results.{POSITION}.low" in wrong, version
 
 
+@pytest.mark.nightly
 def test_the_sample_of_the_run_is_looked_at_where_no_violation_of_it_is_examined(
     hidden: Campaign, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

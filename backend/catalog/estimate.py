@@ -17,6 +17,7 @@ from campaigns.checked.expected import again as made_again
 from campaigns.runs import RunState, run_name
 from campaigns.stages.found import declared
 from campaigns.stages.plan import bound, most
+from campaigns.stages.plan import onward as beyond
 
 AFTERWARDS = (
     "How soon searches end by their own rule, how many worst cases there are and how long the descents to them take is "
@@ -27,6 +28,7 @@ PROMISE = (
     "samples included; validation takes at most {validation}."
 )
 FEW = ", which the nominal case and one finding need, whatever the budget"
+LATER = ", and simulates {onward:,} more on beyond the horizon"
 AS_BEFORE = "{run}, an earlier run of this campaign, took {evaluations} evaluations."
 UNKNOWN = "The time is known after a first run of the same components."
 SPEED = "The time is that of earlier runs with the same components, at their mean speed."
@@ -82,7 +84,8 @@ def estimate(reader: sa.Connection, campaign: Campaign, catalogue: Catalogue, pa
 def bounded(campaign: Campaign, most: int) -> str:
     """What no run exceeds, and why validation takes more than the searches where they are few."""
     total, needed = validation(campaign).total, least(campaign, noisy=True)
-    validated = f"{total:,}" + (FEW if total == needed else "")
+    onward = beyond(bound(campaign), campaign)
+    validated = f"{total:,}" + (FEW if total == needed else "") + (LATER.format(onward=onward) if onward else "")
     return PROMISE.format(most=f"{most:,}", called=called(campaign, most), validation=validated)
 
 

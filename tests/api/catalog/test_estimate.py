@@ -7,7 +7,7 @@ from typing import Any
 import httpx
 import pytest
 
-from backend.catalog.estimate import AFTERWARDS, AS_BEFORE, FEW, PROMISE, TIME_AS_BEFORE, UNKNOWN, bounded
+from backend.catalog.estimate import AFTERWARDS, AS_BEFORE, FEW, LATER, PROMISE, TIME_AS_BEFORE, UNKNOWN, bounded
 from backend.catalog.pace import COMPUTED, UNTIMED
 from backend.db.queue import Queue
 from backend.db.store import RunStore
@@ -19,7 +19,7 @@ from campaigns.checked.expected import expected, fewer, total
 from campaigns.checked.foreseen import foreseen
 from campaigns.stages.attraction import AttractionResult
 from campaigns.stages.found import declared
-from campaigns.stages.plan import most
+from campaigns.stages.plan import bound, most, onward
 from campaigns.stored.records import StagePlan
 from tests import results
 from tests.given.databases import AT_NIGHT
@@ -48,7 +48,9 @@ def test_of_a_new_campaign_every_stage_is_estimated(service: Service, client: ht
     assert (told["run"], told["seconds"], told["seconds_least"], told["seconds_most"]) == (None, None, None, None)
     promise = bounded(load_document(campaign()), told["most"])
     allowed = f"{validation(load_document(campaign())).total:,}"
-    assert promise == PROMISE.format(most=f"{told['most']:,}", called="", validation=allowed)
+    assert promise == PROMISE.format(
+        most=f"{told['most']:,}", called="", validation=allowed + LATER.format(onward=1000)
+    )
     assert told["statement"] == f"{AFTERWARDS} {promise}"
     assert told["time_statement"] == UNKNOWN
 
@@ -57,7 +59,9 @@ def test_a_small_budget_and_several_calls_are_stated() -> None:
     stages = {"search": [{"method": "direct", "evaluations": 1}]}
     few = load_document(campaign(stages=stages))
     assert validation(few).total > 1
-    assert f"at most {validation(few).total}{FEW}." in bounded(few, most(few))
+    assert f"at most {validation(few).total}{FEW}{LATER.format(onward=onward(bound(few), few))}." in bounded(
+        few, most(few)
+    )
     several = noisy.campaign(1.0, 20, **noisy.REPEATS)
     assert several.simulator is not None
     assert f"{most(several):,} evaluations, {several.simulator.calls * most(several):,} calls, those" in bounded(

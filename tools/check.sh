@@ -55,8 +55,10 @@ SLOW=(
     tests/unit/engine/stages/test_certify.py
     tests/unit/engine/stages/test_counting.py
     tests/unit/engine/stages/test_drive.py
+    tests/unit/engine/stages/test_estimate.py
     tests/unit/engine/stages/test_findings.py
     tests/unit/engine/stages/test_front.py
+    tests/unit/engine/stages/test_onward.py
     tests/unit/engine/stages/test_same_numbers.py
     tests/unit/engine/stages/test_seeds.py
     tests/unit/engine/stages/test_sensitivity.py
@@ -66,13 +68,19 @@ SLOW=(
     tests/unit/engine/systems/test_cut_short.py
     tests/unit/engine/systems/test_field.py
     tests/unit/engine/systems/test_trace.py
+    tests/unit/evidence/audit/test_absent_parts.py
     tests/unit/evidence/audit/test_audit.py
+    tests/unit/evidence/audit/test_baseline_forgeries.py
     tests/unit/evidence/audit/test_counted_forgeries.py
     tests/unit/evidence/audit/test_earlier_rules.py
     tests/unit/evidence/audit/test_estimate_forgeries.py
+    tests/unit/evidence/audit/test_estimate_modes.py
+    tests/unit/evidence/audit/test_estimate_starts.py
     tests/unit/evidence/audit/test_forged_databases.py
     tests/unit/evidence/audit/test_forgeries.py
     tests/unit/evidence/audit/test_names_of_parameters.py
+    tests/unit/evidence/verdicts/test_foreseen.py
+    tests/unit/evidence/verdicts/test_kinds_of_statement.py
     tests/unit/repository/test_compose.py
     tests/unit/repository/test_readme.py
     tests/unit/running/catalogue/test_catalog.py

@@ -16,6 +16,7 @@ from campaigns.asked.load import load_document
 from clearance.testing.problems import Problem
 from clearance.testing.scenes import scene
 from tests.given.at_night import nightly_but
+from tests.given.case_campaigns import nested
 from worker.engine.kernels.component import Criterion, Obstacle, Vehicle
 from worker.engine.kernels.loop import OK
 from worker.engine.systems.closed_loop import beyond
@@ -73,17 +74,6 @@ def values(obstacle: Obstacle, near: Points, speed: float, random: np.random.Gen
             continue
         found[p.name] = min(max(value, p.low), p.high)
     return found
-
-
-def nested(flat: dict[str, float]) -> dict[str, Any]:
-    made: dict[str, Any] = {}
-    for name, value in flat.items():
-        *above, last = name.split(".")
-        held = made
-        for key in above:
-            held = held.setdefault(key, {})
-        held[last] = value
-    return made
 
 
 def drawn(seed: int) -> Scene:

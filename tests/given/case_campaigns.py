@@ -28,6 +28,18 @@ def document(**changes: Any) -> dict[str, Any]:
     return made
 
 
+def nested(values: dict[str, Any]) -> dict[str, Any]:
+    """Dotted names as nested mappings."""
+    made: dict[str, Any] = {}
+    for name, value in values.items():
+        *above, last = name.split(".")
+        held = made
+        for key in above:
+            held = held.setdefault(key, {})
+        held[last] = value
+    return made
+
+
 def campaign(**changes: Any) -> Campaign:
     """Case 1 as a campaign, with changes as in `document`."""
     return load_document(document(**changes))

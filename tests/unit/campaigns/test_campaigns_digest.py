@@ -14,7 +14,7 @@ import yaml
 from campaigns import Campaign, library, load_file, load_text
 from campaigns.asked.load import load_document
 from campaigns.asked.text import to_yaml
-from tests.given.case_campaigns import CASE1, campaign, document, searching
+from tests.given.case_campaigns import CASE1, campaign, document, nested, searching
 
 
 def shuffled(value: Any, chance: random.Random) -> Any:
@@ -24,18 +24,6 @@ def shuffled(value: Any, chance: random.Random) -> Any:
         chance.shuffle(items)
         return dict(items)
     return [shuffled(inner, chance) for inner in value] if isinstance(value, list) else value
-
-
-def nested(values: dict[str, Any]) -> dict[str, Any]:
-    """Dotted names as nested mappings."""
-    made: dict[str, Any] = {}
-    for name, value in values.items():
-        *above, last = name.split(".")
-        held = made
-        for key in above:
-            held = held.setdefault(key, {})
-        held[last] = value
-    return made
 
 
 @pytest.mark.parametrize("seed", range(5))

@@ -26,7 +26,7 @@ faults: install ## hurt real processes while runs go on, on both databases; a ta
 soak: install ## a service under load for a quarter of an hour; a table, build/soak.json
 	@.venv/bin/python -m tests.storm.soak
 
-nightly: install ## run the tests that take minutes, left out of `make test`
+nightly: install ## run the tests that `make test` leaves out, for an hour and a half
 	@tools/chromium.sh
 	@source tools/common.sh; source tools/node.sh; cd frontend; export CLEARANCE_NIGHTLY=1; node_modules/.bin/eslint . && npm run --silent test
 	@.venv/bin/pytest -m nightly --processes "$$(nproc)"

@@ -18,6 +18,7 @@ from hypothesis import HealthCheck, settings
 from numba.core.registry import cpu_target
 
 from tests import statements
+from tests.given.at_night import others
 from tests.migrated import empty
 from tests.side_by_side import pytest_addoption, pytest_runtestloop
 
@@ -78,8 +79,11 @@ def pytest_waits(item: pytest.Item) -> bool:
     return item.nodeid.startswith(("tests/e2e/", "tests/faults/"))
 
 
+@pytest.hookimpl(tryfirst=True)  # before tests are left out by their marks
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """The long files first, all others as they come."""
+    """The long files first, all others as they come. What `by_day` leaves out is nightly."""
+    for item in others(items):
+        item.add_marker(pytest.mark.nightly)
 
     def turn(item: pytest.Item) -> int:
         path = item.path.as_posix()

@@ -127,6 +127,7 @@ def least(scene: Scene) -> tuple[float, float, float]:
     return min(float(curve.min()) for curve in curves), float(curves[0][0]), change
 
 
+@pytest.mark.by_day(2)
 @pytest.mark.parametrize("seed", nightly_but(range(BY_DAY), range(BY_NIGHT)))
 def test_nothing_that_is_met_after_the_horizon_is_missed(seed: int) -> None:
     made = drawn(seed)

@@ -52,6 +52,7 @@ def sound(found: dict[str, Any]) -> None:
     assert found["peak"] < LARGEST
 
 
+@pytest.mark.nightly  # by day tests/adversary/test_fuzzed_files.py
 def test_mutated_documents_are_accepted_or_refused(tmp_path: Path) -> None:
     found = fuzzed(tmp_path, 0, 240)
     sound(found)

@@ -85,6 +85,7 @@ def flipped(content: bytes, seed: int) -> bytes:
     return bytes(changed[: chance.randrange(len(changed))] if seed % 5 == 0 else changed)
 
 
+@pytest.mark.nightly
 @pytest.mark.parametrize("count", COUNTS)
 def test_a_forged_capsule_is_read_or_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, count: int) -> None:
     """Its document is any other one, with the digest that fits it."""

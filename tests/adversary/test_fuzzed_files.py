@@ -107,6 +107,7 @@ def test_it_is_read_or_refused(tmp_path: Path, name: str, count: int) -> None:
             raise AssertionError(f"seed {seed}: {error!r:.300}") from error
 
 
+@pytest.mark.by_day(2)
 @pytest.mark.parametrize("name", READERS)
 def test_a_form_that_grows_ends_within_the_limits(tmp_path: Path, name: str) -> None:
     for seed, form in enumerate(GROWING * 2):

@@ -48,6 +48,7 @@ def damaged(content: bytes, seed: int) -> bytes:
     return bytes(changed[: chance.randrange(len(changed))] if seed % 5 == 0 else changed)
 
 
+@pytest.mark.by_day(2)
 @pytest.mark.parametrize("count", [4, pytest.param(100, marks=pytest.mark.nightly)])
 @pytest.mark.parametrize("file", FILES)
 @pytest.mark.parametrize(

@@ -24,6 +24,7 @@ def left_by(result: clearance.Result) -> set[str]:
     return {check.title for check in result.verdict.checks if check.standing != "holds"}
 
 
+@pytest.mark.nightly
 @pytest.mark.parametrize("count", COUNTS)
 def test_without_an_independent_sample_nothing_is_cleared(count: int) -> None:
     barred = []
@@ -42,6 +43,7 @@ def test_a_drawn_sample_finds_what_the_searches_missed(count: int) -> None:
         assert result.verdict == "violated", (given.fraction, result.verdict.sentence)
 
 
+@pytest.mark.nightly
 @pytest.mark.parametrize("count", COUNTS)
 def test_with_a_seed_that_was_chosen_nothing_is_cleared(count: int) -> None:
     barred = []

@@ -49,6 +49,7 @@ BY_DAY = (
 """The intention that would permit it, and all together."""
 
 
+@pytest.mark.by_day(1)
 @pytest.mark.parametrize(
     ("check", "intended"),
     [
@@ -68,6 +69,7 @@ def test_no_intention_clears_what_comes_after_the_horizon_or_between_steps(check
     audited(store, campaign)
 
 
+@pytest.mark.nightly
 def test_the_audit_refuses_a_verdict_by_which_a_violation_beyond_the_horizon_is_intended(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:

@@ -158,6 +158,7 @@ def fixed(cases: list[FindingChange], violations: Floats, points: Floats, costs:
     return len(found)
 
 
+@pytest.mark.nightly  # by day the same of a function, below
 @pytest.mark.parametrize("count", counted(1, 40))
 def test_a_vehicle_has_nothing_fixed_that_falls_to_a_violation_without_a_rise(count: int) -> None:
     several = violating = 0

@@ -5,6 +5,8 @@ Several share a closed loop, so that fewer are compiled; `make nightly` compiles
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import pytest
 
@@ -31,7 +33,19 @@ def number(k: int, component: Component) -> str:
     return f"{k}-{name(component)}"
 
 
-EACH_SCENE = pytest.mark.parametrize("among", [pytest.param(s, id=number(k, s[0])) for k, s in enumerate(SCENES)])
+BY_DAY = (0, len(SCENES) - 1)
+"""Scenes whose loop is compiled by day: one in the plane, one in space."""
+
+
+def marks(k: int, component: Component | None = None) -> Any:
+    """By day some loops; where a component is given, with the parameters of their avoider alone."""
+    return () if k in BY_DAY and component in (None, SCENES[k][0]) else pytest.mark.nightly
+
+
+EACH_SCENE = pytest.mark.parametrize(
+    "among",
+    [pytest.param(s, id=number(k, s[0]), marks=marks(k)) for k, s in enumerate(SCENES)],
+)
 
 FIRST = {name(c): k for k, s in reversed(list(enumerate(SCENES))) for c in s}
 """The first scene that a component is in: a vehicle is in several."""
@@ -39,12 +53,13 @@ FIRST = {name(c): k for k, s in reversed(list(enumerate(SCENES))) for c in s}
 ONCE = [(k, s, c) for k, s in enumerate(SCENES) for c in s if FIRST[name(c)] == k]
 """Every component once, with the number and the others of its scene."""
 
-EACH = pytest.mark.parametrize(("among", "component"), [pytest.param(s, c, id=number(k, c)) for k, s, c in ONCE])
+EACH = pytest.mark.parametrize(
+    ("among", "component"), [pytest.param(s, c, id=number(k, c), marks=marks(k)) for k, s, c in ONCE]
+)
 ONE_OF_EACH_LOOP = pytest.mark.parametrize(
     ("among", "component"),
-    [pytest.param(s, c, id=number(k, c), marks=() if c is s[0] else pytest.mark.nightly) for k, s, c in ONCE],
+    [pytest.param(s, c, id=number(k, c), marks=marks(k, c)) for k, s, c in ONCE],
 )
-"""By day every loop once, with other parameters of its avoider; at night with those of each component."""
 
 ALONE = pytest.mark.parametrize("component", components().values(), ids=name)
 

@@ -75,6 +75,7 @@ def test_a_criterion_declares_which_end_is_worse(criterion: Criterion) -> None:
         assert "threshold" not in named
 
 
+@pytest.mark.by_day(1)
 @pytest.mark.parametrize("criterion", [c for c in CRITERIA if c.worse == "high"], ids=lambda c: c.name)
 def test_a_further_criterion_does_not_change_the_deciding_one(criterion: Criterion) -> None:
     beside = problem(criterion, compiled=False)
@@ -98,6 +99,7 @@ def test_a_vehicle_declares_its_states_and_limits(vehicle: Vehicle) -> None:
     assert flown.system.loop.part("envelope")(0.0, x, flown.system.loop.extend(flown.system.nominal)) == 0.0
 
 
+@pytest.mark.by_day(23)
 @EACH
 def test_it_turns_no_faster_than_it_declares(component: Component) -> None:
     contract(component).test_it_turns_no_faster_than_it_declares()
@@ -115,16 +117,19 @@ def test_a_rate_that_is_declared_too_low_is_found(obstacle: Obstacle) -> None:
             turns_as_declared(flown, parameters, rate.model_copy(update={"times": 0.4 * rate.times}))
 
 
+@pytest.mark.by_day(23)
 @EACH
 def test_it_can_be_simulated_with_the_first_other_components_that_fit(component: Component) -> None:
     contract(component).test_it_can_be_simulated_with_the_first_other_components_that_fit()
 
 
+@pytest.mark.by_day(8)
 @SOME
 def test_within_its_limits_nothing_crashes_and_nothing_is_hidden(component: Component) -> None:
     contract(component).test_within_its_limits_nothing_crashes_and_nothing_is_hidden()
 
 
+@pytest.mark.by_day(23)
 @EACH
 def test_a_nan_fails_the_simulation_or_changes_nothing(component: Component) -> None:
     contract(component).test_a_nan_fails_the_simulation_or_changes_nothing()

@@ -247,6 +247,7 @@ DECLARED = [c for c in components().values() if entry(c).written_in]
 
 
 # By day all that declare a frame, and a third of the others.
+@pytest.mark.by_day(5)
 @pytest.mark.parametrize(
     "component",
     [pytest.param(c, id=f"{c.role}-{c.name}", marks=() if entry(c).written_in or k % 3 == 0 else pytest.mark.nightly)

@@ -140,6 +140,7 @@ def outcomes(tmp_path_factory: pytest.TempPathFactory) -> dict[str, set[str]]:
     return found
 
 
+@pytest.mark.by_day(1)
 @pytest.mark.parametrize("name", ["TestMethod", "TestComponent", "TestSimulator"])
 def test_a_good_guest_passes(outcomes: dict[str, set[str]], name: str) -> None:
     assert outcomes[name] == set()
@@ -152,6 +153,7 @@ def test_a_broken_guest_fails_where_it_is_broken(outcomes: dict[str, set[str]]) 
     assert "test_bits_depend_on_the_vector_alone" in outcomes["TestBrokenSimulator"]
 
 
+@pytest.mark.nightly
 def test_no_run_begins_with_a_component_that_is_random(tmp_path: Path) -> None:
     """One of a package, which nobody has examined."""
     package(tmp_path, "clearance.components", "restless", RANDOM)

@@ -24,11 +24,13 @@ def test_its_options_pass_the_check_and_come_back(method: Method) -> None:
     contract.its_options_pass_the_check_and_come_back(method)
 
 
+@pytest.mark.by_day(5)
 @EACH
 def test_whatever_the_check_lets_pass_the_method_takes(method: Method) -> None:
     contract.whatever_the_check_lets_pass_the_method_takes(method)
 
 
+@pytest.mark.by_day(5)
 @EACH
 def test_any_option_that_passes_searches(method: Method) -> None:
     contract.any_option_that_passes_searches(method)

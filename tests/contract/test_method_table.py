@@ -31,6 +31,7 @@ def some_by_day() -> list[Any]:
     ]
 
 
+@pytest.mark.by_day(20)
 @pytest.mark.parametrize(("method", "name"), some_by_day())
 def test_every_function_of_the_table(method: Method, name: str) -> None:
     """Optima off the centre; a third of the box fails in thin slices, and what the function excludes is excluded."""
@@ -69,6 +70,7 @@ def test_every_function_of_the_table(method: Method, name: str) -> None:
         assert minimum.cost == f(minimum.point[None, :])[0]
 
 
+@pytest.mark.by_day(5)
 @EACH
 def test_further_criteria_are_left_to_methods_for_several(method: Method) -> None:
     """A single-objective method uses the first cost, for any further ones."""
@@ -88,6 +90,7 @@ def test_further_criteria_are_left_to_methods_for_several(method: Method) -> Non
     assert np.array_equal(one, two) or method.kind == "multi"
 
 
+@pytest.mark.by_day(6)
 @pytest.mark.parametrize("method", [m for m in methods().values() if m.extend is not None], ids=lambda m: m.name)
 @pytest.mark.parametrize(
     ("name", "budget"),

@@ -31,6 +31,7 @@ def no_thread_stays() -> Iterator[None]:
     assert set(threading.enumerate()) <= before
 
 
+@pytest.mark.by_day(30)
 @pytest.mark.parametrize(("method", "name", "dimension"), with_each(FUNCTIONS, (1, 2, 8), share=2))
 def test_points_are_points_of_the_unit_cube(method: Method, name: str, dimension: int) -> None:
     contract.points_are_points_of_the_unit_cube(method, name, dimension)
@@ -42,6 +43,7 @@ def test_the_budget_is_never_exceeded(method: Method, budget: int) -> None:
     contract.the_budget_is_never_exceeded(method, budget)
 
 
+@pytest.mark.by_day(17)
 @pytest.mark.parametrize(
     ("method", "name", "status"),
     with_each(("half of it fails", "what is best fails", "the middle fails"), (FAILED, TIMEOUT, EXCLUDED)),
@@ -87,6 +89,7 @@ def fingerprints(seed: int = 1) -> dict[str, str]:
     return {name: fingerprint(name, seed) for name in methods()}
 
 
+@pytest.mark.nightly
 def test_the_same_seed_gives_the_same_points_in_every_process() -> None:
     here = fingerprints()
     code = "import json; from tests.contract.test_methods import fingerprints; print(json.dumps(fingerprints()))"

@@ -55,6 +55,7 @@ def test_there_are_pairs_in_the_plane_and_in_space() -> None:
     assert {a.name for a, _, _ in PAIRS} == {a.name for a in of(Avoider)}
 
 
+@pytest.mark.by_day(7)
 @pytest.mark.parametrize(("avoider", "vehicle", "controller"), SOME, ids=lambda c: c.name)
 def test_they_can_be_simulated_together(avoider: Avoider, vehicle: Vehicle, controller: Controller) -> None:
     campaign = load_document(document(avoider, vehicle, controller))

@@ -125,6 +125,7 @@ def with_corners(folder: Path, *command: str) -> subprocess.CompletedProcess[str
     return done
 
 
+@pytest.mark.nightly
 def test_a_stage_in_two_files_is_planned_run_and_stored(tmp_path: Path) -> None:
     file, out = tmp_path / "basins.json", tmp_path / "out"
     file.write_text(json.dumps(package.campaign()), encoding="utf-8")

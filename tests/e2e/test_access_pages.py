@@ -13,7 +13,7 @@ from tests.e2e.stored import served
 from tests.given.joined_users import PASSWORD
 from tests.given.service import Service
 
-pytestmark = [pytest.mark.e2e, pytest.mark.timeout(120)]
+pytestmark = [pytest.mark.e2e, pytest.mark.timeout(120), pytest.mark.nightly]  # by day tests/api/access
 
 DRAWS = False
 

@@ -225,6 +225,7 @@ def without_inline_styles(route: Route) -> None:
     )
 
 
+@pytest.mark.nightly
 @pytest.mark.parametrize("searching", [False, pytest.param(True, marks=pytest.mark.nightly)])
 def test_the_text_editor_is_accessible_at_work(visit: Visit, filled: Service, searching: bool) -> None:
     """With a problem, its tooltip and completions visible, at night the search, too; Tab leaves the editor, as

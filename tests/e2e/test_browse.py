@@ -159,6 +159,7 @@ def test_a_pinned_run_is_the_first(signed_in: Visit) -> None:
     assert named(page)[0] == BOX
 
 
+@pytest.mark.nightly
 def test_every_finding_and_the_nominal_flight_can_be_chosen(drawing: Visit) -> None:
     page = drawing.page
     found = api(drawing, f"/runs/{INTRUDER}/findings")
@@ -344,6 +345,7 @@ def test_anything_is_found_and_gone_to(signed_in: Visit) -> None:
     expect(dialog).to_be_hidden()
 
 
+@pytest.mark.nightly
 def test_a_notification_is_shown_when_a_run_ends(signed_in: Visit, stored: Service) -> None:
     page = signed_in.page
     page.context.grant_permissions(["notifications"], origin=signed_in.address)

@@ -81,6 +81,7 @@ def test_the_header_shows_whether_a_worker_is_alive(working: Service, visit: Vis
     expect(page.get_by_role("button", name="1 worker alive, 0 busy")).to_be_focused()
 
 
+@pytest.mark.nightly
 def test_a_service_that_hangs_is_reported_until_it_answers(visit: Visit) -> None:
     page = visit.page
     visit.move("/help")
@@ -160,6 +161,7 @@ def test_a_service_for_which_a_proxy_answers_is_reported_until_it_answers(visit:
     without_502(visit)
 
 
+@pytest.mark.nightly
 def test_live_updates_return_after_a_refusal_and_the_list_asks_meanwhile(working: Service, visit: Visit) -> None:
     page = visit.page
     page.route("**/api/v1/events*", behind_a_proxy)

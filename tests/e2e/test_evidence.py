@@ -77,6 +77,7 @@ def saved(page: Page, entry: str) -> Download:
     return download.value
 
 
+@pytest.mark.nightly
 def test_nothing_is_asked_for_twice(visit: Visit) -> None:
     visit.page.goto("about:blank")  # pending requests of the previous page are not counted
     asked: list[str] = []
@@ -344,6 +345,7 @@ def test_runs_to_compare_are_chosen_on_the_page(visit: Visit) -> None:
     expect(page.get_by_test_id("change")).to_be_visible()
 
 
+@pytest.mark.nightly
 def test_a_run_is_removed_and_restored(visit: Visit) -> None:
     page = visit.page
     visit.move("/runs/R-0001")

@@ -40,7 +40,11 @@ from tests.given.at_night import nightly_but
 from tests.given.own_files import POST
 from tests.given.printed_words import printed_words
 
-pytestmark = [pytest.mark.e2e, pytest.mark.timeout(420)]
+pytestmark = [
+    pytest.mark.e2e,
+    pytest.mark.timeout(420),
+    pytest.mark.nightly,
+]  # by day what identifies code: tests/api/runs/test_code.py, tests/api/runs/test_onward.py
 DRAWS = False
 REQUIREMENT = "SYS-1"
 

@@ -27,7 +27,7 @@ from tests.given.reported_runs import PARAMETERS, finish_fully
 from tests.given.service import Service
 from tests.given.submissions import submit
 
-pytestmark = [pytest.mark.e2e, pytest.mark.timeout(240)]
+pytestmark = [pytest.mark.e2e, pytest.mark.timeout(240), pytest.mark.nightly]  # by day tests/unit/campaigns/claims
 DRAWS = False
 EVALUATED, GRANTED, THRESHOLD = 0.261, 0.495, 0.5
 DIFFERING, LACKING, CALLED = "R-0001", "R-0002", "R-0003"

@@ -15,7 +15,11 @@ from tests.given.service import Service, until
 from tests.given.submissions import submit
 from tests.given.viewer_clients import KEY
 
-pytestmark = [pytest.mark.e2e, pytest.mark.timeout(300)]
+pytestmark = [
+    pytest.mark.e2e,
+    pytest.mark.timeout(300),
+    pytest.mark.nightly,
+]  # by day the headers that isolate it: tests/api/middleware/test_headers.py
 
 ATTEMPTS = {
     "a cookie": "() => document.cookie",

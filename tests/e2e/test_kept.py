@@ -75,6 +75,7 @@ def still_named(page: Page) -> None:
     expect(page.get_by_role("textbox", name="Name", exact=True)).to_have_value("precious")
 
 
+@pytest.mark.nightly
 def test_the_search_is_loaded_again_over_what_was_typed(visit: Visit) -> None:
     page = visit.page
     named(visit)
@@ -88,6 +89,7 @@ def test_the_search_is_loaded_again_over_what_was_typed(visit: Visit) -> None:
     still_named(page)
 
 
+@pytest.mark.nightly
 def test_an_updated_service_is_told_from_one_out_of_reach(visit: Visit) -> None:
     page = visit.page
     named(visit)

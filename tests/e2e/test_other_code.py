@@ -14,7 +14,7 @@ from tests.e2e.stored import served
 from tests.given.code_versions import edited
 from tests.given.waiting_runs import DIFFERS, waiting
 
-pytestmark = [pytest.mark.e2e, pytest.mark.timeout(120)]
+pytestmark = [pytest.mark.e2e, pytest.mark.timeout(120), pytest.mark.nightly]  # by day tests/api/runs/test_onward.py
 
 
 @pytest.mark.parametrize(

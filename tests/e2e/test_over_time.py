@@ -59,6 +59,7 @@ def row(page: Page, text: str) -> Any:
     return page.locator("tr").filter(has_text=text)
 
 
+@pytest.mark.nightly
 def test_other_runs_with_the_same_input(visit: Visit) -> None:
     visit.go("/runs/R-0001")
     visit.near("#related")

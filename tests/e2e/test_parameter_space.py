@@ -23,7 +23,11 @@ from tests.given.runs_with_failures import FLYING, INSIDE, lose
 from tests.given.service import Service
 from tests.given.small_catalogue import campaign, published_by_workers
 
-pytestmark = [pytest.mark.e2e, pytest.mark.timeout(300)]
+pytestmark = [
+    pytest.mark.e2e,
+    pytest.mark.timeout(300),
+    pytest.mark.nightly,
+]  # by day frontend/src/run/space/space.test.ts
 DRAWS = False
 
 POINTS = "/evaluations?max_points=2000"

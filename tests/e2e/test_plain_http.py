@@ -15,7 +15,11 @@ from tests.e2e.browser import NAMED, Visit, visiting
 from tests.e2e.stored import served
 from tests.given.submissions import submit
 
-pytestmark = [pytest.mark.e2e, pytest.mark.timeout(120)]
+pytestmark = [
+    pytest.mark.e2e,
+    pytest.mark.timeout(120),
+    pytest.mark.nightly,
+]  # by day the same pages over what browsers trust
 DRAWS = False
 
 

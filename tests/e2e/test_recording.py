@@ -16,7 +16,11 @@ from tests.given.reported_runs import finish_fully
 from tests.given.service import Service, until
 from tests.given.small_catalogue import campaign
 
-pytestmark = [pytest.mark.e2e, pytest.mark.timeout(300)]
+pytestmark = [
+    pytest.mark.e2e,
+    pytest.mark.timeout(300),
+    pytest.mark.nightly,
+]  # by day what is recorded: tests/api/scenes/test_recordings.py
 
 
 @pytest.fixture(scope="module")

@@ -17,7 +17,7 @@ from tests.given.code_versions import edited
 from tests.given.reported_runs import finish_fully
 from tests.given.submissions import submit
 
-pytestmark = [pytest.mark.e2e, pytest.mark.timeout(120)]
+pytestmark = [pytest.mark.e2e, pytest.mark.timeout(120), pytest.mark.nightly]  # by day tests/api/requirements
 
 WRITTEN = Path(__file__).parents[1] / "api" / "requirements" / "written.reqif"
 

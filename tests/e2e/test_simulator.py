@@ -15,7 +15,11 @@ from tests.faults.processes import until
 from tests.given.service import Service
 from tests.simulators import dropped
 
-pytestmark = [pytest.mark.e2e, pytest.mark.timeout(300)]
+pytestmark = [
+    pytest.mark.e2e,
+    pytest.mark.timeout(300),
+    pytest.mark.nightly,
+]  # by day tests/api/runs
 
 
 @pytest.fixture(scope="module")

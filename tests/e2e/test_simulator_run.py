@@ -23,7 +23,11 @@ from tests.given.reported_runs import missing
 from tests.given.service import Service
 from tests.simulators import dropped
 
-pytestmark = [pytest.mark.e2e, pytest.mark.timeout(300)]
+pytestmark = [
+    pytest.mark.e2e,
+    pytest.mark.timeout(300),
+    pytest.mark.nightly,
+]  # by day tests/api/runs
 DRAWS = False
 LAUNCHED = f"R-{len(asked()) + 1:04}"
 """The run that a test launches."""

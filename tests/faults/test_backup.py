@@ -198,6 +198,7 @@ def names(file: Path) -> list[str]:
         return [name for (name,) in connection.execute("select name from runs")]
 
 
+@pytest.mark.by_day(4)
 @pytest.mark.parametrize("there", ["nothing", "empty", "damaged", "whole"])
 @pytest.mark.parametrize("ending", ["-wal", "-shm", "-journal"])
 def test_a_restored_database_is_the_backup_whatever_is_left_of_the_former_one(
@@ -358,6 +359,7 @@ def emptied(server: postgres.Server) -> Iterator[str]:
     engine.dispose()
 
 
+@pytest.mark.nightly
 @pytest.mark.parametrize("earlier", nightly_but(("0030",), ("0017", "0020", "0030")))
 def test_a_backup_of_before_an_update_is_restored_after_it(emptied: str, tmp_path: Path, earlier: str) -> None:
     """Also by the earlier version, which does not know all tables of the later one."""
@@ -401,6 +403,7 @@ def test_the_tables_of_every_revision_are_known_as_clearances() -> None:
     engine.dispose()
 
 
+@pytest.mark.nightly
 @pytest.mark.parametrize("spoil", [cut_off, lambda file: file.write_text("hello")], ids=["cut off", "no backup"])
 def test_what_is_no_whole_backup_changes_nothing_on_postgresql(
     emptied: str, tmp_path: Path, spoil: Callable[[Path], object]

@@ -30,6 +30,8 @@ from worker.engine.systems.simulators.slots.outcome import Limits
 from worker.engine.systems.simulators.slots.program import Program
 from worker.running.catalogue.files import entry_of, read_file
 
+pytestmark = pytest.mark.nightly  # by day tests/faults/test_cluster.py
+
 LOCAL = "local:1"
 IGNORED = r"""while read -r line; do
 echo "{\"results\": {\"d\": $((0x$(sed -n s/SigIgn:.//p /proc/self/status) & ~(3 << 31)))}}"

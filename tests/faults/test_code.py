@@ -112,6 +112,7 @@ def test_an_edit_applies_to_the_next_run_and_to_no_run_already_started(home: Hom
         assert request_cancel(connection, run_id) == RunState.CANCELLED
 
 
+@pytest.mark.nightly  # by day tests/unit/engine/kernels/test_jit.py
 def test_what_the_compiler_refuses_fails_the_run_with_file_and_line_and_not_the_worker(home: Home) -> None:
     home.edit(WRONG)
     line = next(n for n, text in enumerate(WRONG.splitlines(), 1) if "else (dx, dy)" in text)

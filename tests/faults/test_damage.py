@@ -127,6 +127,7 @@ def torn(file: Path) -> None:
 DAMAGE = {"garbage": garbage, "torn": torn}
 
 
+@pytest.mark.by_day(8)
 @pytest.mark.parametrize("how", DAMAGE)
 @pytest.mark.parametrize("command", sorted(WORDS))
 def test_a_command_says_in_one_sentence_that_the_database_is_damaged(

@@ -60,6 +60,7 @@ def misbehaving() -> Iterator[Isolated]:
     opened.close()
 
 
+@pytest.mark.nightly
 def test_whatever_a_function_does_costs_one_evaluation(misbehaving: Isolated) -> None:
     acts = [a for k in range(len(EXPECTED)) for a in (float(k), 0.0)]
     batch, reasons = misbehaving.evaluate(np.array(acts)[:, None])
@@ -91,6 +92,7 @@ def leaving_out(least: float, **options: Any) -> Any:
     return clearance.search(fly, {"mass": (1.5, 2.3), "drag": (0.1, 0.2)}, threshold=50.0, unit="m", **options)
 
 
+@pytest.mark.nightly
 def test_what_a_function_excludes_is_stated_with_its_reason_and_audited(tmp_path: Path) -> None:
     result = leaving_out(1.53)
     assert result.verdict == "cleared", result.verdict.sentence
@@ -212,6 +214,7 @@ def test_a_file_in_slots_gives_the_same_numbers(folder: Path, tmp_path: Path) ->
     assert found[0]["worst"]["cost"] == pytest.approx(found[1]["worst"]["cost"], abs=1e-9)
 
 
+@pytest.mark.nightly
 def test_a_simulator_that_is_not_there_is_explained(
     folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

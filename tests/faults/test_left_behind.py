@@ -155,6 +155,7 @@ def cancel(engine: sa.Engine, run: int) -> None:
 BY_DAY = {("lines", "worker killed")}
 
 
+@pytest.mark.nightly  # by day a run of the command line
 @pytest.mark.parametrize(
     ("kind", "ending"),
     [

@@ -49,6 +49,7 @@ SINGLE = (
 """By day: noise of every call and of every process, and what is seldom seen; the others are more of these."""
 
 
+@pytest.mark.by_day(3)
 @pytest.mark.parametrize("how", nightly_but(SINGLE, ADVERSARIES))
 def test_what_does_not_repeat_is_never_cleared_by_single_calls(how: str) -> None:
     with adversary(how):
@@ -79,6 +80,7 @@ CALLED_BY_DAY = ("none", "noise of the process", "rarely a violation", "violates
 """One of every verdict, and the two that violate; what is too low now and then is named below."""
 
 
+@pytest.mark.by_day(2)
 @pytest.mark.parametrize(
     ("how", "word"),
     [
@@ -248,6 +250,7 @@ ADVISED = ("none", "noise of the process", "now and then a little low", "violate
 """By day: without a cause, every cause, and what shows late."""
 
 
+@pytest.mark.by_day(2)
 @pytest.mark.parametrize("how", nightly_but(ADVISED, [*ADVERSARIES, *LATER]))
 def test_what_does_not_repeat_has_advice_for_its_cause_and_no_chance_of_a_lower_case(how: str) -> None:
     """Whether that shows when it is measured or in any later comparison. Several calls for each evaluation help where
@@ -270,6 +273,7 @@ def test_no_chance_of_a_lower_case_is_stated_of_several_calls() -> None:
     assert verdict.sureness is None
 
 
+@pytest.mark.by_day(1)
 @pytest.mark.parametrize(("how", "stated"), [("none", True), ("seeded by time", False)])
 def test_every_place_states_the_chance_or_none_does(
     how: str, stated: bool, tmp_path: Path, capsys: pytest.CaptureFixture[str]

@@ -79,6 +79,7 @@ LIVE, READY = "/api/v1/health/live", "/api/v1/health/ready"
 OPTIONS = ("--runner", "tests.faults.jobs:execute", "--lease", "2")
 
 
+@pytest.mark.nightly
 def test_the_service_without_its_server_and_with_it_again(server: postgres.Server, tmp_path: Path) -> None:
     migrate(server.url)
     (tmp_path / "data").mkdir()
@@ -205,6 +206,7 @@ def test_a_process_that_is_stopped_in_a_transaction_loses_its_locks(
             assert again.scalar(sa.select(Run.name).where(Run.id == run_id)) == "another"
 
 
+@pytest.mark.nightly
 def test_a_worker_takes_no_run_without_space_and_says_so_once_a_minute(tmp_path: Path) -> None:
     url = f"sqlite:///{tmp_path}/clearance.sqlite3"
     settings = {"CLEARANCE_MIN_FREE": str(10**17), "CLEARANCE_LOG": "json"}
@@ -315,6 +317,7 @@ def test_a_damaged_file_uses_up_no_attempt(working: tuple[Bench, Started]) -> No
     assert (ended.state, ended.attempts, ended.error) == ("done", 1, None), running.text()
 
 
+@pytest.mark.nightly
 def test_an_error_of_a_child_is_one_line(working: tuple[Bench, Started]) -> None:
     """Last here: its worker tries that run again, which costs another process each time."""
     bench, running = working

@@ -19,6 +19,8 @@ from tests.faults.machines import Machine, Network
 from tests.faults.processes import REPOSITORY, Started, alive, until, worker
 from tests.faults.stored import Stored
 
+pytestmark = pytest.mark.nightly  # by day tests/faults/test_outages.py
+
 OPTIONS = ("--runner", "tests.faults.jobs:execute", "--lease", "2")
 SOONER = "?tcp_user_timeout=3000"
 """Silence counts as away after this time [ms]."""

@@ -76,6 +76,7 @@ def evaluated(folder: Path, **described: Any) -> tuple[Batch, Reasons]:
         simulator.close()
 
 
+@pytest.mark.by_day(1)
 @pytest.mark.parametrize(
     ("written", "status", "reason"),
     [
@@ -92,6 +93,7 @@ def test_a_file_of_results_may_exclude_the_case(tmp_path: Path, written: object,
     assert reason in reasons[0]
 
 
+@pytest.mark.by_day(1)
 @pytest.mark.parametrize(
     ("written", "reason"),
     [

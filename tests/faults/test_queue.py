@@ -58,6 +58,7 @@ def claimed(queue: Queue, worker: str = "w") -> Claim:
     return claim
 
 
+@pytest.mark.by_day(1)
 def test_a_claim_holds_the_run_and_carries_the_campaign(database: sa.Engine) -> None:
     run_id, queue = put(database), Queue(database)
     claim = claimed(queue)
@@ -148,6 +149,7 @@ def killed(engine: sa.Engine, queue: Queue, run_id: int) -> None:
     ready(engine, run_id)
 
 
+@pytest.mark.by_day(2)
 @pytest.mark.parametrize(("lose", "how"), [(silent, SILENT), (killed, KILLED)])
 def test_lost_workers_are_no_fault_of_the_run_but_have_an_end(database: sa.Engine, lose: Any, how: str) -> None:
     run_id, queue = put(database), Queue(database)
@@ -481,6 +483,7 @@ def test_freed_runs_end_with_the_limit_of_losses_or_where_they_are_cancelled(
     assert row(database, other).state == "cancelled"
 
 
+@pytest.mark.by_day(3)
 @pytest.mark.parametrize("how", ["retry", "lost", "put_off", "refuse", "fail"])
 def test_a_reason_of_any_characters_is_stored_so_that_it_can_be_shown(database: sa.Engine, how: str) -> None:
     run_id, queue = put(database), Queue(database)

@@ -113,6 +113,7 @@ def test_jsbsim_shows_the_encounter_that_it_evaluated(jsbsim: CommandSimulator) 
     assert -at["down"] == pytest.approx(1219.0, abs=30.0)
 
 
+@pytest.mark.nightly
 @needs_jsbsim
 def test_jsbsim_writes_no_files(tmp_path: Path) -> None:
     """c172x asks JSBSim for a table of its flight in the working folder."""
@@ -173,6 +174,7 @@ def test_without_the_package_the_command_that_installs_it_is_stated(
     assert f"pip install 'clearance[{package}]'" in str(ended.value)
 
 
+@pytest.mark.nightly
 @needs_bluesky
 def test_bluesky_resolves_the_conflict_repeats_and_leaves_no_files(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch

@@ -107,6 +107,7 @@ AT_NIGHT = ("a sentence of a stage", "a limit of the audit", "a component that i
 """By day one that continues and one that waits; of what kind each is, the test below tells."""
 
 
+@pytest.mark.by_day(2)
 @pytest.mark.parametrize("name", EDITS)
 def test_each_of_these_edits_is_one_of_code_and_other_code_only_where_it_may_change_a_number(name: str) -> None:
     edit = EDITS[name]

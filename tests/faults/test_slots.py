@@ -99,6 +99,7 @@ def points(*acts: str) -> Any:
     return np.array([[float(list(misbehaving.ACTS).index(act))] for act in acts])
 
 
+@pytest.mark.by_day(10)
 @pytest.mark.parametrize(
     "act",
     # By day one that sleeps past its time; this one computes until then.

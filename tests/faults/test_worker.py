@@ -418,6 +418,7 @@ def frozen(bench: Bench, *family: int) -> Iterator[None]:
         kill(*family, number=signal.SIGCONT)
 
 
+@pytest.mark.nightly  # by day a child that is killed
 def test_of_two_workers_one_continues_where_the_other_was_frozen_or_killed(bench: Bench, tmp_path: Path) -> None:
     """Frozen beyond its lease it can write nothing; killed it leaves no child."""
 
@@ -459,6 +460,7 @@ def own(folder: Path, *options: str) -> Iterator[Bench]:
         bench.engine.dispose()
 
 
+@pytest.mark.nightly  # by day a child that is killed
 @pytest.mark.parametrize("how", ["stopped", at_night("hang"), at_night("hold")])
 def test_a_child_that_stands_still_is_replaced(tmp_path: Path, how: str) -> None:
     with own(tmp_path, "--standstill", "3") as bench:

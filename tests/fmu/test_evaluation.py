@@ -65,6 +65,7 @@ def flown(mass: float, speed: float, angle: float, time: float) -> tuple[float, 
     return speed * math.cos(angle) * decay, (speed * math.sin(angle) + 9.81 / k) * decay - 9.81 * time / k
 
 
+@pytest.mark.by_day(1)
 @pytest.mark.parametrize("fmi", [2, 3])
 def test_it_agrees_with_the_closed_form_to_the_order_of_its_step(tmp_path: Path, fmi: int) -> None:
     case = (2.0, 15.0, 1.0, 0.0)
@@ -114,6 +115,7 @@ TROUBLE = [
 ]
 
 
+@pytest.mark.nightly
 def test_whatever_goes_wrong_costs_one_evaluation(simulated: FmuSimulator) -> None:
     good, light = [2.0, 15.0, 1.0, 0.0], [0.6, 15.0, 1.0, 0.0]
     rows = [row for number, _, _ in TROUBLE for row in ([2.0, 15.0, 1.0, float(number)], good)]
@@ -127,6 +129,7 @@ def test_whatever_goes_wrong_costs_one_evaluation(simulated: FmuSimulator) -> No
     assert np.unique(batch.costs[1::2, 0]).size == 1, "what failed changed another evaluation"
 
 
+@pytest.mark.by_day(1)
 @pytest.mark.parametrize(
     ("leak", "how"),
     [
@@ -164,6 +167,7 @@ def test_a_binary_that_cannot_be_loaded_is_refused(tmp_path: Path) -> None:
         simulator(made.folder(tmp_path, 2, binary=b"not a library"))
 
 
+@pytest.mark.nightly
 def test_a_file_that_changes_meanwhile_is_not_simulated(tmp_path: Path) -> None:
     simulated = simulator(made.folder(tmp_path, 2))
     made.fmu(tmp_path / "model.fmu", 2, leak=1)

@@ -76,6 +76,7 @@ def taken(result: str, step: float) -> float:
     return float({"separation": min(of), "height": max(of), "far": of[-1]}[result])
 
 
+@pytest.mark.by_day(1)
 @pytest.mark.parametrize("result", made.RESULTS)
 @pytest.mark.parametrize("fmi", [2, pytest.param(3, marks=pytest.mark.nightly)])
 def test_every_reading_is_made_again_at_half_the_communication_step(tmp_path: Path, fmi: int, result: str) -> None:
@@ -141,6 +142,7 @@ def judged(folder: Path, described: dict[str, Any], threshold: float = 1.0) -> J
     return Judged(verdict, check, case, store)
 
 
+@pytest.mark.nightly
 def test_a_load_that_passes_the_mast_between_two_points_is_not_confirmed(installed: Path) -> None:
     verdict, check, case, store = judged(installed, STRAIGHT | {"step": 1.0})
     assert case.half_step is not None
@@ -155,6 +157,7 @@ def test_a_load_that_passes_the_mast_between_two_points_is_not_confirmed(install
     assert remedies(check.model_copy(update={"statement": ()}), Ran(campaign(), results)) == []
 
 
+@pytest.mark.nightly
 def test_readings_that_are_close_enough_are_confirmed(installed: Path) -> None:
     _, check, case, store = judged(installed, STRAIGHT | {"step": 0.001, "stop": 1.0})
     assert case.ok
@@ -172,6 +175,7 @@ def test_readings_that_are_close_enough_are_confirmed(installed: Path) -> None:
     assert Run(record, today=True).means() == ("half_step", "again")
 
 
+@pytest.mark.nightly
 def test_what_a_model_that_refuses_half_the_step_has_is_not_confirmed(installed: Path) -> None:
     _, check, case, _ = judged(installed, SHORT, threshold=0.0)
     assert not case.ok
@@ -181,6 +185,7 @@ def test_what_a_model_that_refuses_half_the_step_has_is_not_confirmed(installed:
     assert case.half_step.reason in check.text
 
 
+@pytest.mark.nightly
 def test_several_calls_of_a_model_that_repeats_do_not_take_the_place_of_half_the_step(installed: Path) -> None:
     made.folder(installed / "one", 2, described=STRAIGHT | {"step": 1.0})
     verdict, _ = ran(campaign(repeats={"count": 2}))

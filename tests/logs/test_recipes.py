@@ -66,6 +66,7 @@ def test_px4_is_started_for_the_slot_with_its_parameters(tmp_path: Path) -> None
     assert {"PX4_PARAM_SIH_WIND_N=2.5", "PX4_PARAM_SIH_WIND_E=-1.0", "PX4_SIM_MODEL=sihsim_quadx"} <= {*lines}
 
 
+@pytest.mark.nightly
 def test_a_flight_that_was_not_one_has_no_result(tmp_path: Path) -> None:
     short = ulog(tmp_path / "a.ulg", {"vehicle_local_position_groundtruth": FLIGHT[:50]})
     cases = (

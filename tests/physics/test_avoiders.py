@@ -259,6 +259,7 @@ def alone(avoider: Any) -> Any:
     return of_all if weigh is None else one_by_one
 
 
+@pytest.mark.by_day(1)
 @pytest.mark.parametrize("name", nightly_but(("none", "none_3d", "orca"), ALONE))
 def test_compiled_alone_they_demand_what_they_do_in_plain_python(name: str) -> None:
     """The loops with them are compiled at night only: by day their simulations are in plain Python."""
@@ -279,6 +280,7 @@ def test_compiled_alone_they_demand_what_they_do_in_plain_python(name: str) -> N
 
 class TestFlown:
     # By day each avoider with a vehicle, the next with the next; all pairs for a few steps: test_pairs.py.
+    @pytest.mark.by_day(5)
     @pytest.mark.parametrize(("vehicle", "avoider"), SOME, ids=lambda c: c.name)
     def test_each_avoider_with_each_vehicle(self, vehicle: Vehicle, avoider: Avoider) -> None:
         system = uncompiled(encounter(vehicle, avoider, horizon=5.0 if vehicle.dimension == 3 else 2.5)).system

@@ -51,6 +51,7 @@ class TestNeutral:
     def test_every_parameter_has_a_default(self, name: str) -> None:
         assert [p.name for p in declared(PARTS[name].parameters) if p.default is None] == []
 
+    @pytest.mark.by_day(12)
     @pytest.mark.parametrize(("name", "loop"), some_by_day())
     def test_defaults_change_nothing(self, name: str, loop: str) -> None:
         campaign = LOOPS[loop]

@@ -235,6 +235,7 @@ class TestDryden:
         error = 5 * np.sqrt((np.outer(np.diag(asked), np.diag(asked)) + asked**2) / len(starts))
         assert (np.abs(found - asked) < error).all()
 
+    @pytest.mark.nightly
     def test_simulated_in_steps_they_retain_variance_and_time_scale(self) -> None:
         gusts = _history(self.given(), 0.05, 1_000_000)
         s_h, t_h, s_w, t_w = self.closed_form()

@@ -209,6 +209,7 @@ class TestGivesWay:
         states = flight(problem)
         return float(np.hypot(*(states[:, :2] - states[:, -6:-4]).T).min()), states
 
+    @pytest.mark.nightly
     def test_it_keeps_its_clearance_alone(self) -> None:
         assert self.distance(clearance=0.0)[0] < 0.4
         assert self.distance(sharing=0.0)[0] == pytest.approx(2.0, abs=0.25)

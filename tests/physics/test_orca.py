@@ -56,6 +56,7 @@ class TestOrca:
         line, other = (plain(orca.half_plane)(body, (0.0, 0.0), (1.0, 0.0), p) for p in (self.P, half))
         assert (other[0] - 1.0, other[1]) == pytest.approx((0.5 * (line[0] - 1.0), 0.5 * line[1]))
 
+    @pytest.mark.by_day(4)
     @pytest.mark.parametrize("seed", range(12))
     def test_the_half_plane_touches_the_velocity_obstacle(self, seed: int) -> None:
         random = np.random.default_rng(seed)

@@ -155,6 +155,7 @@ class TestShown:
         )
         assert Reference(problem.system).simulate(vector).cost == pytest.approx(found, abs=2e-6)
 
+    @pytest.mark.nightly
     def test_a_run_states_what_its_verdict_holds_for(self) -> None:
         store = MemoryStore()
         execute(noisy([3, 1]), store)
@@ -267,6 +268,7 @@ LOOPS = {
 class TestWithinLimits:
     """Whatever the parameters within their limits: a finite cost or a status with a reason, never a crash or a NaN."""
 
+    @pytest.mark.nightly
     @settings(max_examples=30)
     @given(seed=st.integers(0, 2**32 - 1), touched=st.floats(0.0, 1.0), reach=st.floats(0.0, 8.0))
     def test_nothing_ends_badly_unseen(self, loop: str, seed: int, touched: float, reach: float) -> None:

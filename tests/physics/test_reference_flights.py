@@ -51,6 +51,7 @@ def agree(problem: Problem, vector: Any, floor: float = 0.0) -> None:
     assert ours.cost == pytest.approx(theirs.cost, rel=SLIDING if sliding else SMOOTH, abs=floor)
 
 
+@pytest.mark.by_day(1)
 @pytest.mark.parametrize("name", SOME)
 def test_compiled_and_plain_agree(name: str) -> None:
     problem = Problem(changed(load_file(library()[name]), horizon=SOME[name]))
@@ -85,6 +86,7 @@ def test_compiled_and_interpreted_give_the_same_bits(case1: Problem) -> None:
     assert there.simulate(case1.system.nominal) == here.simulate(case1.system.nominal)
 
 
+@pytest.mark.by_day(1)
 @pytest.mark.parametrize(
     "name", ["unicycle_static", "unicycle_noise", pytest.param("uav_moving_gusts", marks=pytest.mark.nightly)]
 )

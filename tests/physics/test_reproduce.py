@@ -52,6 +52,7 @@ def held(asked: list[Result], flights: Flights) -> None:
 
 
 # Case 2 is at night: by day its golden costs and an independent program are.
+@pytest.mark.by_day(1)
 @pytest.mark.parametrize("campaign", nightly(CAMPAIGNS, AT_NIGHT | {"pioneer_moving"}))
 def test_rows_that_must_agree_do(campaign: str, flights: Flights) -> None:
     held([r for r in RESULTS if r.campaign == campaign and not long(r)], flights)
@@ -63,6 +64,7 @@ def test_rows_of_long_searches_that_must_agree_do(campaign: str, flights: Flight
     held([r for r in RESULTS if r.campaign == campaign], flights)
 
 
+@pytest.mark.by_day(2)
 @pytest.mark.parametrize("campaign", nightly(CAMPAIGNS))
 def test_published_local_minima_are_none(campaign: str, flights: Flights) -> None:
     # Descents from the published starts end elsewhere and lower, or the row would have to say that it agrees.

@@ -43,6 +43,7 @@ def nearest(*obstacles: tuple[str, dict[str, float]], step: float = 0.01, body: 
     return float(result.costs[0, 0])
 
 
+@pytest.mark.by_day(3)
 @pytest.mark.parametrize(
     ("name", "own", "expected"),
     [
@@ -94,6 +95,7 @@ def drawn(obstacle: Obstacle, seed: int) -> dict[str, float]:
     return {name: float(chance.uniform(*sizes[name])) for name in sizes if name in known}
 
 
+@pytest.mark.by_day(5)
 @EACH
 @pytest.mark.parametrize("seed", nightly_but((1,), [1, 2]))
 def test_it_is_a_signed_distance_and_inside_is_within_the_declared_reach(obstacle: Obstacle, seed: int) -> None:

@@ -123,6 +123,7 @@ class TestFigures:
         )
         assert (nominal, published, min(all_corners)) == pytest.approx(FIGURES[name], abs=HELD)
 
+    @pytest.mark.nightly
     @pytest.mark.parametrize("name", [pytest.param("uav_moving_linear", marks=pytest.mark.nightly), "uav_aca_bank"])
     def test_another_model_and_another_autopilot(self, name: str) -> None:
         at_corner = dict(zip(order(name), CORNERS["_".join(name.split("_")[:2])], strict=True))
@@ -146,6 +147,7 @@ class TestFigures:
     def test_without_avoidance_d_min_is_the_known_value(self, name: str) -> None:
         assert cost(plain(name)) == pytest.approx(BLIND[name], abs=HELD)
 
+    @pytest.mark.nightly
     def test_avoiders_without_strength_do_not_avoid(self) -> None:
         for name, path in (("uav_static", "k_rep"), ("uav_moving", "eta"), ("uav_aca", "range")):
             blind = cost(problem(name), {f"avoider.{path}": 0.0})

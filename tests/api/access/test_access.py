@@ -64,6 +64,7 @@ def test_an_unauthenticated_page_request_explains_how_to_sign_in(still: Service,
     assert "clearance login-link" in answer.text
 
 
+@pytest.mark.by_day(1)
 @BOTH
 def test_a_login_link_is_single_use(service: Service) -> None:
     code = service.login_code()

@@ -144,6 +144,7 @@ def test_every_route_and_every_visitor(desk: Desk) -> None:
     assert asyncio.run(all_of_them()) == []
 
 
+@pytest.mark.nightly
 def test_no_write_and_no_socket_from_a_foreign_origin(desk: Desk) -> None:
     async def all_of_them() -> list[tuple[str, ...]]:
         wrong = []

@@ -41,6 +41,7 @@ def worked(service: Service, verdict: str) -> threading.Thread:
     return thread
 
 
+@pytest.mark.nightly
 def test_ten_lines_do_a_whole_campaign(
     service: Service, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -181,6 +181,7 @@ def test_follow_writes_the_files_of_a_job(violated: str, command: Command, tmp_p
     assert place["region"]["startLine"] > 1
 
 
+@pytest.mark.nightly
 def test_the_picture_of_a_step_of_github_is_among_its_files(
     violated: str, command: Command, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -248,6 +249,7 @@ def test_a_removed_run_is_stated_as_removed_everywhere(
             assert re.search("Removed .* by .*: Wrong mass", text), (run, name)
 
 
+@pytest.mark.by_day(1)
 @pytest.mark.parametrize("side", [1, -1])
 def test_no_value_is_read_on_the_other_side_of_its_threshold(
     command: Command, service: Service, tmp_path: Path, capsys: pytest.CaptureFixture[str], side: int

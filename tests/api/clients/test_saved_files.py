@@ -51,6 +51,7 @@ COMMANDS: dict[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
 }
 
 
+@pytest.mark.by_day(2)
 @pytest.mark.parametrize("command", COMMANDS)
 def test_no_file_of_the_user_is_replaced(command: str, here: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """Whichever it is; nothing is sent before."""
@@ -63,6 +64,7 @@ def test_no_file_of_the_user_is_replaced(command: str, here: Path, capsys: pytes
         assert content(str(folder)) == {name: OWN}
 
 
+@pytest.mark.by_day(2)
 @pytest.mark.parametrize("command", COMMANDS)
 def test_no_results_of_a_local_run_are_mixed_with_those_of_a_service(
     command: str, here: Path, capsys: pytest.CaptureFixture[str]
@@ -73,6 +75,7 @@ def test_no_results_of_a_local_run_are_mixed_with_those_of_a_service(
     assert content("out") == {"result.json": OWN}
 
 
+@pytest.mark.by_day(1)
 @pytest.mark.parametrize("link", [False, True])
 def test_a_campaign_is_not_replaced_by_its_own_submission(
     link: bool, here: Path, capsys: pytest.CaptureFixture[str]
@@ -127,6 +130,7 @@ def _dangling(file: Path) -> None:
     file.symlink_to("nowhere")
 
 
+@pytest.mark.nightly
 def test_the_picture_of_a_step_of_github_replaces_no_file(
     here: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:

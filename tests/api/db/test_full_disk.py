@@ -52,6 +52,7 @@ def test_an_import_on_a_full_disk_is_refused_and_changes_nothing(service: Servic
     assert client.post(FILES, params=where, content=LARGE).status_code == 201
 
 
+@pytest.mark.nightly
 def test_a_service_is_not_ready_from_a_write_without_space_until_one_succeeds(
     service: Service, client: httpx.Client, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -74,6 +74,7 @@ def test_a_migration_that_fails_leaves_nothing(engine: sa.Engine, monkeypatch: p
         assert sa.inspect(connection).get_table_names() == ["tokens"]
 
 
+@pytest.mark.nightly
 def test_two_processes_on_a_fresh_file_both_succeed(engine: sa.Engine, tmp_path: Path) -> None:
     """The other one is that of the tests."""
     url = default_url(tmp_path)

@@ -85,6 +85,7 @@ def run(still: Service, guest: httpx.Client) -> str:
     return run
 
 
+@pytest.mark.by_day(2)
 @pytest.mark.parametrize("what", nightly_but(STORED.keys() - set(AT_NIGHT), STORED))
 def test_it_is_reported_as_of_another_version(
     what: str, still: Service, guest: httpx.Client, run: str, monkeypatch: pytest.MonkeyPatch
@@ -120,6 +121,7 @@ def signed(still: Service, guest: httpx.Client) -> str:
     return run
 
 
+@pytest.mark.nightly
 @pytest.mark.parametrize("kind", nightly_but(("a future version",), CAMPAIGNS))
 def test_a_stored_campaign_that_cannot_be_read_is_no_error_of_the_request(
     kind: str, still: Service, guest: httpx.Client, signed: str, monkeypatch: pytest.MonkeyPatch
@@ -189,6 +191,7 @@ REQUIRING: dict[str, Callable[[httpx.Client], httpx.Response]] = {
 """What cannot be answered without the catalogue."""
 
 
+@pytest.mark.nightly
 @pytest.mark.parametrize("form", nightly_but(("one more field",), FORMS))
 def test_what_a_newer_worker_publishes_hides_no_run(
     form: str,

@@ -51,6 +51,7 @@ def test_a_deleted_folder_takes_nothing_more(service: Service, client: httpx.Cli
     problem(client.get("/api/v1/health"), 503, "database-gone")
 
 
+@pytest.mark.by_day(1)
 @pytest.mark.parametrize(
     "endings", [("-wal",), pytest.param(("-shm",), marks=pytest.mark.nightly), ("-wal", "-shm")], ids=" ".join
 )
@@ -81,6 +82,7 @@ def test_deleted_files_beside_the_database_are_noticed_at_once_and_lose_nothing(
         again.stop()
 
 
+@pytest.mark.nightly
 def test_connections_that_others_open_meanwhile_disturb_no_transaction(service: Service) -> None:
     """The files of all of them are looked at when a transaction begins."""
     file, over = file_of(service), threading.Event()
@@ -176,6 +178,7 @@ STARTS: dict[str, tuple[Any, int, str]] = {
 }
 
 
+@pytest.mark.by_day(2)
 @pytest.mark.parametrize("what", STARTS)
 @pytest.mark.parametrize("command", ["serve", "worker", "backend"])
 def test_a_database_that_cannot_be_used_is_said_at_the_start(

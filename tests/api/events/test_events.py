@@ -148,6 +148,7 @@ def test_an_empty_stream_has_a_mark(service: Service, client: httpx.Client) -> N
         assert (summary["id"], summary["state"]) == (run, "cancelled")
 
 
+@pytest.mark.by_day(2)
 @pytest.mark.parametrize("mark", ["x", "", "-1", "nan", "1e9", "9" * 400, "99999999999.000"])
 def test_a_mark_that_was_not_given_here_counts_as_none(service: Service, client: httpx.Client, mark: str) -> None:
     run = submit(client)

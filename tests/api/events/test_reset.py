@@ -78,6 +78,7 @@ def work(engine: sa.Engine, claim: Claim | None) -> tuple[Claim, RunStore]:
     return claim, store
 
 
+@pytest.mark.by_day(1)
 @pytest.mark.parametrize(
     ("before", "again"),
     [([0.9, 0.05, *[1.0] * 18], restarted), ([np.nan] * 20, retried), ([0.9, 0.05, *[1.0] * 18], continued)],

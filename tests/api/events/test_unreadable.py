@@ -67,6 +67,7 @@ NORMAL = {"low": 4.0, "high": 6.0, "distribution": {"kind": "normal", "mean": 5.
 """What the bound of a sample counts beyond the bounds, which the descriptions state."""
 
 
+@pytest.mark.by_day(2)
 @pytest.mark.parametrize(
     "stored",
     [

@@ -121,6 +121,7 @@ def test_flights_as_mcap_hold_every_row(guest: httpx.Client, run: str) -> None:
     assert (about.name, about.metadata["run"]) == ("clearance", run)
 
 
+@pytest.mark.nightly
 def test_a_flight_that_begins_below_0_is_shifted_to_0(still: Service, guest: httpx.Client) -> None:
     """As of a simulator whose time counts up to the end."""
     trace, run = flight("nominal"), submit(guest)
@@ -134,6 +135,7 @@ def test_a_flight_that_begins_below_0_is_shifted_to_0(still: Service, guest: htt
     assert about["time offsets"] == {"nominal": "-20.0"}
 
 
+@pytest.mark.nightly
 def test_axes_with_z_down_are_turned_upright(guest: httpx.Client, aloft: tuple[str, Trace]) -> None:
     run, trace = aloft
     found = messages(exported(guest, run, "traces.mcap"))
@@ -229,6 +231,7 @@ def test_the_source_of_a_run_is_stored_once(bare: Service) -> None:
     assert (bare.rows()["run_sources"], bare.rows()["source_texts"]) == (2, 1)
 
 
+@pytest.mark.nightly
 def test_the_capsule_of_an_evaluated_run_replays_to_the_same_bits(
     bare: Service, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

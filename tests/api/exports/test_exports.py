@@ -72,6 +72,7 @@ def test_a_finding_has_one_margin_wherever_it_is_stated(service: Service, client
     assert known.to_dataframe()["margin"].tolist() == [0.3 - 0.5]
 
 
+@pytest.mark.nightly
 def test_the_files_are_listed_with_good_names(client: httpx.Client, run: str, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(recording, "RATE", 0.2)  # few frames: what is in a recording is tested in test_recordings
     listed = client.get(f"/api/v1/runs/{run}/exports").json()
@@ -185,6 +186,7 @@ def test_the_file_is_that_of_a_writer_of_rows(service: Service, client: httpx.Cl
     assert b"".join(evaluations_csv(service.engine, 1)) == lines(rows)
 
 
+@pytest.mark.nightly
 def test_fifty_thousand_evaluations_are_streamed(service: Service, client: httpx.Client) -> None:
     run = submit(client)
     work = Work(service)

@@ -65,6 +65,7 @@ def printed(capsys: pytest.CaptureFixture[str], *arguments: str) -> tuple[int, s
     return code, capsys.readouterr().out
 
 
+@pytest.mark.nightly
 def test_an_audit_from_the_service_is_that_of_its_database(
     served: Service, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -99,6 +100,7 @@ def test_a_service_with_a_forged_cost_is_found_out(served: Service, capsys: pyte
     assert (code, "differs" in text) == (VIOLATED, True)
 
 
+@pytest.mark.by_day(1)
 @pytest.mark.parametrize("command", ["audit", "replay"])
 def test_a_stated_place_is_preferred_to_the_environment(
     command: str, served: Service, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
@@ -124,6 +126,7 @@ def export(served: Service, *arguments: str) -> int:
     return invoke(["export", RUN, "--service", served.url, *arguments])
 
 
+@pytest.mark.nightly
 @pytest.mark.parametrize("exported", [pytest.param(False, marks=pytest.mark.nightly), True], ids=["empty", "exported"])
 def test_a_folder_without_a_run_is_not_taken_for_the_run_of_its_name(
     exported: bool, served: Service, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
@@ -159,6 +162,7 @@ def test_a_folder_without_a_run_is_not_taken_for_the_run_of_its_name(
     assert json.loads(printed(capsys, "run", "--continue", RUN, *options, *data)[1])["continues"]["as"] == "R-0003"
 
 
+@pytest.mark.nightly
 def test_a_folder_with_a_run_may_have_the_name_of_a_run(served: Service, capsys: pytest.CaptureFixture[str]) -> None:
     assert export(served, "--out", "asked", "--file", "campaign.yaml") == 0
     assert invoke(["run", "asked/campaign.yaml", "--out", RUN]) in CODES.values()
@@ -202,6 +206,7 @@ NONE = (b"", b"<html>" * 999, "a column", "an array")
 READ = [(command, content) for content in NONE for command in ("audit", "replay")]
 
 
+@pytest.mark.by_day(1)
 @pytest.mark.parametrize("read_as", nightly_but([READ[k] for k in (0, 3, 4, 7)], READ), ids=str)
 def test_a_record_that_is_none_is_a_sentence(
     read_as: tuple[str, bytes | str], served: Service, capsys: pytest.CaptureFixture[str],

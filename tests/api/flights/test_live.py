@@ -187,6 +187,7 @@ def test_the_real_process_simulates_the_shipped_case(tmp_path: Path, monkeypatch
     assert flight.at(flight.closest.time)[2] == pytest.approx(worst["cost"], abs=1e-3)
 
 
+@pytest.mark.nightly
 def test_only_the_newest_is_done() -> None:
     begun, go, done = threading.Event(), threading.Event(), []
 

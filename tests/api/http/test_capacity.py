@@ -101,6 +101,7 @@ def answers_at_once(service: Service, client: httpx.Client) -> None:
     assert client.get("/api/v1/session", timeout=20.0).status_code == 200
 
 
+@pytest.mark.by_day(1)
 @pytest.mark.parametrize(
     ("path", "kind", "module", "name", "instead"),
     [
@@ -178,6 +179,7 @@ def test_what_is_read_is_checked_by_a_few_at_a_time(
     assert [one.answer()[0] for one in asked].count(503) == 20 - most
 
 
+@pytest.mark.nightly
 def test_health_and_the_guard_answer_when_a_user_asks_for_more_than_one_may(
     service: Service, client: httpx.Client, monkeypatch: pytest.MonkeyPatch, go: threading.Event
 ) -> None:

@@ -88,6 +88,7 @@ def test_the_service_answers_with_the_same_document(guest: httpx.Client) -> None
     assert guest.get("/api/v1/openapi.json").json() == DOCUMENT
 
 
+@pytest.mark.nightly
 def test_answers_are_as_described(service: Service, client: httpx.Client) -> None:
     submit(client)
     finish(service)

@@ -23,6 +23,7 @@ NAMED = [
 ]
 
 
+@pytest.mark.by_day(24)
 @pytest.mark.parametrize(("path", "method", "names"), NAMED, ids=lambda v: v if isinstance(v, str) else "")
 def test_an_unknown_name_alone_is_refused(
     still: Service, guest: httpx.Client, path: str, method: str, names: list[str]

@@ -53,6 +53,7 @@ BY_DAY, BY_NIGHT = 5, 60
 """Examples for each operation with parameters or a body; by day all bodies and headers still meet some operation."""
 
 
+@pytest.mark.by_day(24)
 @pytest.mark.parametrize("examples", [BY_DAY, pytest.param(BY_NIGHT, marks=pytest.mark.nightly)])
 @pytest.mark.parametrize(("path", "method", "operation"), OPERATIONS, ids=lambda v: v if isinstance(v, str) else "")
 def test_whatever_is_sent_is_answered_as_described(
@@ -76,6 +77,7 @@ def test_whatever_is_sent_is_answered_as_described(
     sent()
 
 
+@pytest.mark.by_day(30)
 @pytest.mark.parametrize("method", ["GET", "POST", "DELETE"])
 @pytest.mark.parametrize(("name", "value"), [(name, value) for name, values in HEADERS.items() for value in values])
 def test_no_header_ends_in_an_internal_error(client: httpx.Client, method: str, name: str, value: bytes) -> None:
@@ -127,6 +129,7 @@ def test_values_that_break_readers_and_databases(client: httpx.Client, name: str
     assert len(answer.content) < 50_000
 
 
+@pytest.mark.by_day(5)
 @pytest.mark.parametrize("value", [2**63, -(2**63) - 1, "\ud800", "\0", True, {}, []])
 @pytest.mark.parametrize("sort", ["-created", "name", "worst"])
 def test_a_cursor_of_our_form_with_what_no_row_can_have(client: httpx.Client, sort: str, value: Any) -> None:
@@ -203,6 +206,7 @@ def test_models_are_described_by_the_text_below_their_fields() -> None:
 EXPORTS = [one.file.replace("{label}", "F1") for one in known() if not one.address]
 
 
+@pytest.mark.nightly
 def test_headers_that_are_given_are_documented(client: httpx.Client) -> None:
     queued = client.post("/api/v1/runs", json={"campaign": campaign(seed=9)})
     assert queued.headers["location"].endswith(queued.json()["id"])

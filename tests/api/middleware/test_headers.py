@@ -66,6 +66,7 @@ ROUTES = [rule for rule in RULES if rule[0] != "SOCKET"]
 """Sockets are below."""
 
 
+@pytest.mark.by_day(28)
 @pytest.mark.parametrize("route", ROUTES, ids=" ".join)
 def test_every_route_has_the_headers(service: Service, client: httpx.Client, route: tuple[str, str]) -> None:
     """As anonymous, with a token, under another name, and with a method that it does not have."""

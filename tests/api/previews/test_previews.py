@@ -49,6 +49,7 @@ def test_the_nominal_flight_of_a_shipped_case(bare: Service) -> None:
     assert edited["digest"] != flown["digest"]
 
 
+@pytest.mark.nightly
 def test_a_failed_preview_gives_its_reason(service: Service, client: httpx.Client) -> None:
     stand_in(service)
     flown = client.post(PREVIEW, json={"campaign": campaign()}).json()
@@ -62,6 +63,7 @@ def test_a_failed_preview_gives_its_reason(service: Service, client: httpx.Clien
     assert flown["seconds"] > 0
 
 
+@pytest.mark.by_day(1)
 @pytest.mark.parametrize(
     ("name", "status", "statement"),
     [("dies", 503, "ended unexpectedly"), ("slow", 503, "timed out"), ("refused", 422, "there is no trim")],

@@ -195,6 +195,7 @@ def test_a_name_or_an_address_takes_over_no_account(service: Service, browser: h
         assert newest(service, "session.failed")[2]["reason"] == "disabled"
 
 
+@pytest.mark.by_day(6)
 @pytest.mark.parametrize(
     ("wrong", "reason"),
     [
@@ -328,6 +329,7 @@ def test_failures_beyond_a_rate_are_not_recorded(service: Service, browser: http
     assert service.rows()["audit"] == before + BURST
 
 
+@pytest.mark.by_day(2)
 @pytest.mark.parametrize(
     "to", ["https://evil.example/", "//evil.example", "/runs", "/clearance//evil.example", "/clearancex"]
 )

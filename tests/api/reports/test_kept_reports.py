@@ -80,6 +80,7 @@ def run(service: Service, client: httpx.Client) -> str:
     return run
 
 
+@pytest.mark.by_day(2)
 @AT_NIGHT
 @pytest.mark.parametrize("change", nightly_but(BY_DAY, CHANGES))
 def test_what_changes_a_report_changes_its_key(service: Service, client: httpx.Client, run: str, change: str) -> None:

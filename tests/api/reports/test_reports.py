@@ -113,6 +113,7 @@ def test_hostile_words_stay_words(service: Service, client: httpx.Client) -> Non
     assert "alert" not in style
 
 
+@pytest.mark.by_day(1)
 @pytest.mark.parametrize("verdict", ["violated", "inconclusive"])
 def test_other_verdicts_are_reported(service: Service, client: httpx.Client, verdict: str) -> None:
     run = submit(client)
@@ -268,6 +269,7 @@ def test_numbers_as_in_print() -> None:
     assert words.flowed(f"{'long ' * 18}\nline\nshort\nnext") == f"{'long ' * 18} line\nshort\nnext"
 
 
+@pytest.mark.by_day(1)
 @pytest.mark.parametrize(
     ("frame", "position", "axes"),
     [
@@ -307,6 +309,7 @@ def test_a_simulator_is_drawn_from_the_columns_that_it_declares(
     assert 'data-missing="drawing"' not in text
 
 
+@pytest.mark.by_day(1)
 @pytest.mark.parametrize(
     ("stated", "sentence"),
     [
@@ -330,6 +333,7 @@ def test_report_and_page_say_why_a_simulator_has_no_trace(bare: Service, stated:
         assert f'data-missing="trace">{why}</p>' in report(client, run)
 
 
+@pytest.mark.by_day(1)
 @pytest.mark.parametrize("drawn", [True, False])
 def test_the_report_says_where_a_seed_was_stated(service: Service, client: httpx.Client, run: str, drawn: bool) -> None:
     with service.engine.begin() as connection:

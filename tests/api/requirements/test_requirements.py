@@ -78,6 +78,7 @@ def sign(client: httpx.Client, run: str) -> None:
     assert client.post(f"/api/v1/runs/{run}/signoffs", json=body).status_code == 201
 
 
+@pytest.mark.nightly
 def test_sign_offs_of_runs_that_speak_against_it_are_stated(service: Service, client: httpx.Client) -> None:
     """They need not state the requirement, nor be of a campaign of their own."""
     violating = submit(client)
@@ -170,6 +171,7 @@ def test_a_violation_is_neither_outrun_nor_hidden(service: Service, client: http
     assert " R-0001 " in found["sentence"]
 
 
+@pytest.mark.nightly
 @AT_NIGHT
 def test_a_run_that_is_no_evidence_can_still_speak_against_it(service: Service, client: httpx.Client) -> None:
     """Cancelled, with the requirement left out, of a sweep, or with another threshold; and no goal is supported."""
@@ -215,6 +217,7 @@ def test_what_speaks_against_a_requirement_needs_no_verdict_of_its_own_run(
         assert row(client, "REQ-1")["status"] == "no verdict"
 
 
+@pytest.mark.nightly
 @AT_NIGHT
 def test_what_only_the_first_evaluations_found_counts_and_outlives_a_purge(
     service: Service, client: httpx.Client
@@ -235,6 +238,7 @@ def test_what_only_the_first_evaluations_found_counts_and_outlives_a_purge(
     assert named in row(client, "REQ-1")["sentence"]
 
 
+@pytest.mark.nightly
 def test_a_value_that_only_validation_saw_counts_and_outlives_a_purge(service: Service, client: httpx.Client) -> None:
     """In a call, at half the step, by the reference integrator or in a spot check, of a run of any verdict."""
     calls = Calls(values=[0.9, 0.4], violating=1, failed=0, confidence=0.95, low=0.0, high=1.0, statement=())
@@ -277,6 +281,7 @@ def test_variants_of_a_sweep_are_named_where_they_alone_state_a_requirement(clie
     assert "variants of sweeps" in found["sentence"]
 
 
+@pytest.mark.nightly
 def test_the_text_of_a_requirement_is_that_of_runs_that_count(service: Service, client: httpx.Client) -> None:
     sign(client, ran(service, client, {"id": "REQ-1", "text": TEXT}))
     better = submit(client, name="Z", criterion=stating({"id": "REQ-1", "text": "Keep 50 m."}))
@@ -316,6 +321,7 @@ def test_report_and_run_name_their_requirements(service: Service, client: httpx.
     assert 'id="requirements"' not in client.get(f"/api/v1/runs/{without}/report.html").text
 
 
+@pytest.mark.nightly
 def test_a_run_of_a_sweep_is_no_evidence_and_changes_nothing(service: Service, client: httpx.Client) -> None:
     sign(client, ran(service, client, "REQ-1"))
     asked = campaign(criterion=stating("REQ-1"))
@@ -422,6 +428,7 @@ UNACCEPTABLE = [
 """By day one of each kind of file; what is acceptable in a file is tested with its readers."""
 
 
+@pytest.mark.by_day(1)
 @pytest.mark.parametrize("file", nightly_but(UNACCEPTABLE[3:5], UNACCEPTABLE), ids=lambda v: v[2])
 def test_a_file_that_is_not_acceptable_changes_nothing(guest: httpx.Client, file: tuple[bytes, str, str]) -> None:
     content, kind, statement = file
@@ -435,6 +442,7 @@ def test_a_file_that_is_too_large_is_refused(guest: httpx.Client) -> None:
     problem(guest.post("/api/v1/campaigns/check", content=b"x" * 2_000_001), 413)
 
 
+@pytest.mark.nightly
 def test_exports_have_every_requirement_and_run(service: Service, client: httpx.Client) -> None:
     sent(client, WRITTEN, "sys.reqif", "reqif")
     sign(client, ran(service, client, "SYS-1", "OTHER"))
@@ -465,6 +473,7 @@ def test_exports_have_every_requirement_and_run(service: Service, client: httpx.
     assert sent(client, again, "sys.reqif", "reqif").json()["unchanged"] == 2
 
 
+@pytest.mark.nightly
 def test_pages_by_id_and_words(client: httpx.Client) -> None:
     lines = "".join(f"R%{i},Text {i} é\n" for i in range(7))
     sent(client, f"id,text\n{lines}".encode())
@@ -482,6 +491,7 @@ def test_pages_by_id_and_words(client: httpx.Client) -> None:
         problem(client.get(AT, params={"cursor": bad}), 422)
 
 
+@pytest.mark.nightly
 def test_viewers_read_and_engineers_change(still: Service, guest: httpx.Client) -> None:
     with joined(still, guest, "viewer") as (_, viewer), joined(still, guest, "engineer") as (_, engineer):
         assert viewer.get(AT).status_code == 200

@@ -41,6 +41,7 @@ def test_stored_runs_keep_their_digests_and_sign_offs(tmp_path: Path) -> None:
     engine.dispose()
 
 
+@pytest.mark.by_day(1)
 @pytest.mark.parametrize("database", KINDS, indirect=True)
 @pytest.mark.parametrize("revision", ["0031", "0034"])
 def test_stored_questions_are_those_of_this_version(service: Service, client: httpx.Client, revision: str) -> None:

@@ -144,6 +144,7 @@ def grouped(number: int) -> str:
     return f"{number:,}".replace(",", " ")
 
 
+@pytest.mark.nightly
 def test_the_campaign_fails_excludes_and_samples(ran: Ran) -> None:
     stored, failed, excluded = expected(ran)
     assert failed > 5

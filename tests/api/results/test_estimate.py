@@ -53,6 +53,7 @@ def test_page_export_and_report_have_the_same_estimate(service: Service, client:
     assert words_of(named["text"])[1:] in report.replace("\u202f", " ")
 
 
+@pytest.mark.nightly  # by day page, export and report
 def test_clearance_run_states_it(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     (tmp_path / "campaign.json").write_text(json.dumps(estimating().document()))
     assert invoke(["run", str(tmp_path / "campaign.json"), "--out", str(tmp_path / "out")]) == VIOLATED

@@ -76,6 +76,7 @@ def failures(position: int, columns: Columns) -> list[dict[str, Any]]:
     ]
 
 
+@pytest.mark.by_day(1)
 @pytest.mark.parametrize("most", [2, 50, 2000, 100_000])
 def test_the_numbers_are_those_of_the_whole_arrays(service: Service, client: httpx.Client, most: int) -> None:
     run, random = submit(client), np.random.default_rng(4)

@@ -198,6 +198,7 @@ CHANGES: dict[str, Callable[[sa.Connection], object]] = {
 }
 
 
+@pytest.mark.by_day(3)
 @pytest.mark.parametrize("change", CHANGES)
 def test_a_verdict_on_anything_else_is_not_reused(service: Service, client: httpx.Client, change: str) -> None:
     service.compare()
@@ -208,6 +209,7 @@ def test_a_verdict_on_anything_else_is_not_reused(service: Service, client: http
     assert (found["id"], found["reused"], found["state"]) == ("R-0002", None, "queued")
 
 
+@pytest.mark.by_day(1)
 @pytest.mark.parametrize("newer", ["cleared", "inconclusive"])
 def test_no_newer_verdict_is_reused_in_place_of_a_violation(service: Service, client: httpx.Client, newer: str) -> None:
     service.compare()
@@ -230,6 +232,7 @@ def test_nothing_is_reused_if_a_run_without_a_verdict_found_a_violation(service:
     assert launched(client, reuse=True)["reused"] is None
 
 
+@pytest.mark.by_day(1)
 @pytest.mark.parametrize("workers", [(), (0.0,), (4e9, 0.0)], ids=["none", "one that has not", "one of two"])
 def test_nothing_is_reused_until_every_worker_has_compared_its_files(
     service: Service, client: httpx.Client, workers: tuple[float, ...], monkeypatch: pytest.MonkeyPatch
@@ -282,6 +285,7 @@ def test_the_changes_are_in_the_run_the_report_and_the_export(service: Service, 
     assert "Since the baseline" not in client.get("/api/v1/runs/R-0001/report.html").text
 
 
+@pytest.mark.nightly
 def test_a_report_says_why_nothing_was_compared(service: Service, client: httpx.Client) -> None:
     finished(service, client, baseline="label:branch=main")
     report = client.get("/api/v1/runs/R-0001/report.html").text

@@ -60,6 +60,7 @@ FIELDS = ("text", "step", "parameters.low", "parameters.default", "parameters, o
 BY_DAY = [(field, begun) for field, begun in BEGUN if field in FIELDS and (begun or "." not in field)]
 
 
+@pytest.mark.by_day(3)
 @pytest.mark.parametrize("edit", nightly_but(BY_DAY, BEGUN), ids=lambda v: f"{v[0]}, {'' if v[1] else 'not '}begun")
 def test_every_edit_leaves_a_true_sentence_and_a_way_on(
     service: Service, client: httpx.Client, edit: tuple[str, bool]

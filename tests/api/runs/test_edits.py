@@ -21,6 +21,7 @@ from tests.given.submissions import submit
 NOTES = "# Why\n\nThe *planning radius* is <b>75 m</b>."
 
 
+@pytest.mark.by_day(2)
 @pytest.mark.parametrize("given", ["", " ", "a\nb", "a\x1bb", "x" * 121, "\u202eevil"])
 def test_a_name_is_checked_as_at_submission(service: Service, client: httpx.Client, given: str) -> None:
     run = submit(client)
@@ -78,6 +79,7 @@ def waiting(guest: httpx.Client) -> str:
     return submit(guest)
 
 
+@pytest.mark.by_day(4)
 @pytest.mark.parametrize(
     "given",
     [
@@ -172,6 +174,7 @@ def test_the_history_of_a_run_is_reported(service: Service, client: httpx.Client
     problem(client.get("/api/v1/runs/R-0999/history"), 404)
 
 
+@pytest.mark.by_day(1)
 @BOTH
 def test_notes_changed_by_another_user_are_not_overwritten(client: httpx.Client) -> None:
     run = submit(client)

@@ -116,6 +116,7 @@ def grouped(client: httpx.Client, group: str, **fields: Any) -> dict[str, Any]:
     return dict(answer.json())
 
 
+@pytest.mark.by_day(1)
 @BOTH
 def test_a_newer_run_of_a_group_cancels_those_that_have_not_ended(service: Service, client: httpx.Client) -> None:
     assert grouped(client, "p/main")["superseded"] == []

@@ -67,6 +67,7 @@ def _orders() -> Iterator[Any]:
             yield pytest.param(kind, order, marks=[pytest.mark.nightly] if at_night else [])
 
 
+@pytest.mark.by_day(8)
 @pytest.mark.parametrize(("crowd", "sort"), list(_orders()), indirect=["crowd"])
 def test_pages_together_are_the_whole_list_in_order(crowd: httpx.Client, sort: str) -> None:
     runs = walk(crowd, sort=sort, limit=17)
@@ -108,6 +109,7 @@ def test_filters_select_runs_and_counts_follow(service: Service, client: httpx.C
     assert {r["state"] for r in several} == {"queued", "failed"}
 
 
+@pytest.mark.by_day(6)
 @pytest.mark.parametrize(
     ("query", "count"),
     [

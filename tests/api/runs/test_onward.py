@@ -166,6 +166,7 @@ def test_what_is_continued_keeps_its_text_its_group_and_its_place_in_a_sweep(
     assert newer["superseded"] == [made]
 
 
+@pytest.mark.by_day(1)
 @pytest.mark.parametrize("swept", [1, 2, 3, 4])
 def test_every_run_of_a_chain_is_a_variant_if_one_is(service: Service, client: httpx.Client, swept: int) -> None:
     """Runs that gave their place in a sweep to the one that continues them, and those that extend a variant."""
@@ -179,6 +180,7 @@ def test_every_run_of_a_chain_is_a_variant_if_one_is(service: Service, client: h
         assert set(writer.scalars(sa.select(Run.id).where(in_sweep()))) == {1, 2, 3, 4}
 
 
+@pytest.mark.by_day(1)
 @pytest.mark.parametrize("way", ["retry", "restart", "continuation"])
 def test_a_request_that_is_repeated_with_its_key_is_answered_with_the_run(
     service: Service, client: httpx.Client, way: str

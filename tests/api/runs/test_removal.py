@@ -97,6 +97,7 @@ def test_a_running_run_and_a_signed_one_are_not_removed(service: Service, client
     assert client.delete(run, params=WHY).status_code == 200
 
 
+@pytest.mark.by_day(1)
 @BOTH
 def test_several_are_removed_and_restored_together_or_none(client: httpx.Client, run: str) -> None:
     submit(client, seed=2)

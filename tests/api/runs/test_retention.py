@@ -145,6 +145,7 @@ def test_what_a_failed_run_continues_stays_while_it_may_be_tried_again(service: 
         assert (7 in [run.id for run in purge.beyond(engine, 1).runs]) == goes
 
 
+@pytest.mark.nightly
 @POSTGRESQL
 def test_one_that_is_signed_while_it_is_purged_stays(service: Service, runs: list[int]) -> None:
     """The purge waits for the lock of who signs, and then looks again."""
@@ -167,6 +168,7 @@ def _waits(engine: sa.Engine) -> bool:
         return bool(reader.scalar(sa.text(waits)))
 
 
+@pytest.mark.by_day(1)
 @BOTH
 def test_one_that_began_again_in_the_meantime_stays(service: Service, runs: list[int]) -> None:
     """It was listed, and then somebody retried, pinned or signed it."""

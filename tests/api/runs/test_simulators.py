@@ -266,6 +266,7 @@ class TestEveryRoute:
         assert gone.status_code in (200, 204), gone.text
         assert client.post(f"/api/v1/runs/{other}/restore").status_code in (200, 204)
 
+    @pytest.mark.nightly
     def test_it_is_submitted_and_followed_from_the_command_line(
         self, visit: Visit, clearance: Command, tmp_path: Path
     ) -> None:

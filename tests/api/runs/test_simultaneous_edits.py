@@ -34,6 +34,7 @@ def _outside(service: Service) -> sa.Connection:
     return service.engine.connect().execution_options(isolation_level="AUTOCOMMIT")
 
 
+@pytest.mark.by_day(1)
 @POSTGRESQL
 @pytest.mark.parametrize("name", EDITS)
 def test_of_two_who_edit_at_the_same_time_one_is_refused(service: Service, client: httpx.Client, name: str) -> None:
@@ -62,6 +63,7 @@ LAUNCHES: dict[str, tuple[int, dict[str, Any]]] = {
 """How many runs each launches."""
 
 
+@pytest.mark.by_day(1)
 @POSTGRESQL
 @pytest.mark.parametrize("two", [("runs", "runs"), ("runs", "sweeps"), ("sweeps", "sweeps")], ids=" and ".join)
 def test_of_two_launches_at_the_same_time_one_is_beyond_the_quota(
@@ -120,6 +122,7 @@ def test_cancelling_several_waits_for_an_edit_of_one_and_not_the_other_way_round
         assert [run["state"] for run in answer.result().json()] == ["cancelled", "cancelled"]
 
 
+@pytest.mark.nightly
 @POSTGRESQL
 def test_an_import_sees_the_edit_that_it_waited_for(service: Service, client: httpx.Client) -> None:
     def imported() -> httpx.Response:

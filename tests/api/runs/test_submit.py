@@ -42,6 +42,7 @@ def queued(service: Service) -> bool:
     return service.rows()["runs"] == 1
 
 
+@pytest.mark.by_day(1)
 @pytest.mark.parametrize(("verdict", "code"), [("cleared", 0), ("violated", 1), ("inconclusive", 2)])
 def test_the_verdict_is_the_exit_code(
     service: Service, command: Command, file: Path, verdict: str, code: int, capsys: pytest.CaptureFixture[str]

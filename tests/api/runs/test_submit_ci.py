@@ -112,6 +112,7 @@ def test_what_cannot_be_done_is_refused_before_a_run_is_queued(
     assert service.rows()["runs"] == 0
 
 
+@pytest.mark.nightly
 def test_a_job_that_is_stopped_cancels_its_run_if_asked(service: Service, tmp_path: Path) -> None:
     file = tmp_path / "campaign.yaml"
     file.write_text(yaml.safe_dump(campaign()))

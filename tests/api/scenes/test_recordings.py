@@ -104,6 +104,7 @@ def test_the_file_plays_the_stored_flights_in_their_own_time(bare: Service) -> N
     assert {m["updates"]["text"] for time, m in now if abs(time - 10.0) < 1e-6} == {"F1: 0.8000 m now"}
 
 
+@pytest.mark.nightly
 def test_intruders_and_heights_are_played(bare: Service) -> None:
     with bare.signed_in() as client:
         run = shipped(bare, client, "uav_aca")
@@ -205,6 +206,7 @@ def test_the_caption_describes_what_is_shown(client: httpx.Client, run: str, ren
         assert words in card
 
 
+@pytest.mark.nightly
 def test_a_file_that_is_there_already_is_not_sent_again(client: httpx.Client, run: str, rename: Rename) -> None:
     place = f"/api/v1/runs/{run}/exports/flight-F1.html"
     first = client.get(place)

@@ -266,6 +266,7 @@ def test_there_is_a_most_of_viewers_and_one_gone_makes_room(service: Service, cl
         pass
 
 
+@pytest.mark.nightly
 def test_nothing_of_a_viewer_remains_after_its_browser_has_gone(service: Service, client: httpx.Client) -> None:
     run = submit(client)
     finish(service)

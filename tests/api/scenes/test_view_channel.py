@@ -181,6 +181,7 @@ def test_a_browser_may_leave_while_its_camera_is_moved(
     assert len(clients) == 1
 
 
+@pytest.mark.by_day(1)
 @pytest.mark.parametrize("camera", ["chase", "intruder", "encounter"])
 def test_a_camera_of_the_address_is_there_from_the_first(
     service: Service, client: httpx.Client, run: str, camera: str
@@ -244,6 +245,7 @@ OF_A_KIND = ({"flight": "F0"}, {"time": "nan"}, {"camera": "behind"}, {"gear": 2
 """As others are refused by day: another flight, time, word, number, layer, seed or parameter."""
 
 
+@pytest.mark.by_day(3)
 @pytest.mark.parametrize("change", nightly_but([one for one in REFUSED if one not in OF_A_KIND], REFUSED), ids=str)
 def test_what_cannot_be_shown_is_refused(
     still: Service, guest: httpx.Client, flown: str, change: dict[str, Any]

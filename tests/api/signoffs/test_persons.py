@@ -47,6 +47,7 @@ def store(service: Service, run: str, client: httpx.Client, **values: Any) -> No
         writer.execute(sa.insert(Signoff).values(**row | values))
 
 
+@pytest.mark.nightly
 def test_an_account_signs_under_its_name_and_once(service: Service, run: str, reviewer: Reviewer) -> None:
     user, browser = reviewer
     assert browser.get(run).json()["signs_as"] == user
@@ -116,6 +117,7 @@ def test_a_typed_name_of_earlier_stays_typed(service: Service, run: str, client:
     problem(client.post(run, json=body(client, run, name="grace hopper")), 409)
 
 
+@pytest.mark.by_day(1)
 @BOTH
 def test_sign_offs_at_the_same_time_are_one(run: str, client: httpx.Client) -> None:
     sent = body(client, run, name="Grace Hopper")

@@ -74,6 +74,7 @@ CHANGES: list[tuple[Any, dict[str, Any]]] = [
 ]
 
 
+@pytest.mark.nightly
 @AT_NIGHT
 def test_a_later_change_of_a_result_shows(service: Service, client: httpx.Client, run: str) -> None:
     """Each change by itself: the results that were signed are there again before the next one."""
@@ -153,6 +154,7 @@ def test_a_sign_off_is_withdrawn_once_and_stays_on_record(service: Service, clie
     assert [row.action for row in audit(service)] == ["signoff.created", "signoff.withdrawn", "signoff.created"]
 
 
+@pytest.mark.by_day(1)
 @pytest.mark.parametrize("method", ["PUT", "PATCH", "DELETE"])
 def test_nothing_edits_a_sign_off(client: httpx.Client, run: str, method: str) -> None:
     signed = client.post(run, json=given(client, run)).json()

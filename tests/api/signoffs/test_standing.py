@@ -214,6 +214,7 @@ def test_a_sign_off_without_stored_texts_is_judged_by_its_time(
     assert f"{REQUIREMENT}: {LATER_TEXT}" in _on_the_run(client, signed)
 
 
+@pytest.mark.nightly
 @AT_NIGHT
 def test_a_repetition_carries_the_sign_off_on(service: Service, client: httpx.Client, signed: str) -> None:
     again = ran(service, client)
@@ -293,6 +294,7 @@ def carried(client: httpx.Client) -> bool:
     return bool([one for one in items if one["run"] == "R-0001"])
 
 
+@pytest.mark.nightly
 @pytest.mark.parametrize("every", nightly_but((3,), (1, 3)))
 def test_what_is_no_repetition_carries_nothing(service: Service, client: httpx.Client, signed: str, every: int) -> None:
     """One change after the other, each undone."""
@@ -316,6 +318,7 @@ OTHER_CAMPAIGN: dict[str, dict[str, Any]] = {
 }
 
 
+@pytest.mark.by_day(1)
 @pytest.mark.parametrize("what", nightly_but(("threshold", "another text"), OTHER_CAMPAIGN))
 def test_another_campaign_is_no_repetition(service: Service, client: httpx.Client, signed: str, what: str) -> None:
     submit(client, **{"criterion": {"threshold": 0.5, "requirements": [REQUIREMENT]}, **OTHER_CAMPAIGN[what]})
@@ -341,6 +344,7 @@ NOT_CARRIED: dict[str, tuple[sa.Update, str]] = {
 }
 
 
+@pytest.mark.nightly
 @pytest.mark.parametrize("what", nightly_but(("another sample",), NOT_CARRIED))
 def test_why_a_sign_off_is_not_carried_on_is_stated(
     service: Service, client: httpx.Client, signed: str, what: str, capsys: pytest.CaptureFixture[str]
@@ -373,6 +377,7 @@ def test_who_signed_independently_counts_only_while_valid(service: Service, clie
     assert ONLY_OWN in row["sentence"]
 
 
+@pytest.mark.nightly
 def test_times_and_machine_are_no_difference(service: Service, client: httpx.Client, signed: str) -> None:
     ran(service, client)
     with service.engine.begin() as writer:
@@ -398,6 +403,7 @@ def test_a_run_that_was_purged_carries_nothing_and_the_one_before_does(
 AGAINST = ("verdict", "cancelled", "cleared at a lower threshold", "a stage")
 
 
+@pytest.mark.by_day(1)
 @pytest.mark.parametrize("found", nightly_but(("verdict", "a stage"), AGAINST))
 def test_what_a_run_against_it_found_is_not_lost_with_the_run(
     service: Service, client: httpx.Client, found: str

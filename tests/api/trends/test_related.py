@@ -33,6 +33,7 @@ def simulated_by(service: Service, run: str, code: str | None) -> None:
         writer.execute(sa.update(Run).where(Run.id == run_number(run)).values(flown=flown))
 
 
+@pytest.mark.by_day(1)
 @BOTH
 def test_runs_that_differ_in_one_thing(service: Service, client: httpx.Client) -> None:
     codes = {"same": "a", "other code": "b", "other seed": "a", "both": "b", "seed, unknown code": None}

@@ -258,6 +258,7 @@ def test_a_run_that_is_queued_again_while_messages_are_made_is_reported_at_its_e
     assert (box.fill(), box.fill()) == (1, 0)
 
 
+@pytest.mark.by_day(1)
 @BOTH
 def test_a_kill_loses_no_message(stored: Any) -> None:
     one, other = registered_box(stored), Outbox(stored.engine, "t", "")

@@ -121,6 +121,7 @@ def test_an_obstacle_of_another_package_has_its_own_shape(extended: Catalogue) -
     assert body_of(0, scene.values, scene.axes, None).kind == "round", "the names of its parameters tell nothing"
 
 
+@pytest.mark.nightly
 def test_a_look_names_parameters_that_there_are(tmp_path: Path) -> None:
     package(tmp_path, "clearance.components", "some_pillar", PILLAR.replace("{height!r}", '"tallness"'))
     done = installed(tmp_path)

@@ -410,6 +410,7 @@ STAGES = "from worker.engine.stages.found import stages; stages()"
 RUNNER = "import worker.running.runs.runner; from worker.running.catalogue.installed import catalogue; catalogue()"
 
 
+@pytest.mark.by_day(1)
 @pytest.mark.parametrize(
     "chain",
     [

@@ -70,6 +70,7 @@ def index() -> Iterator[tuple[str, list[str]]]:
             thread.join()
 
 
+@pytest.mark.by_day(1)
 @pytest.mark.parametrize("none", [False, True])
 def test_the_real_uv_asks_the_index_of_pip_and_none_where_pip_has_none(
     index: tuple[str, list[str]], tmp_path: Path, monkeypatch: pytest.MonkeyPatch, none: bool

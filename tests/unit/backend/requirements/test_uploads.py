@@ -45,6 +45,7 @@ CHILD = "import backend.requirements.reading as r; r.SECONDS = 1; r.read = {}; r
 """The process with another reader."""
 
 
+@pytest.mark.by_day(1)
 @pytest.mark.parametrize(
     "program",
     [

@@ -73,6 +73,7 @@ def test_too_many_values_are_refused_as_such(monkeypatch: pytest.MonkeyPatch) ->
     assert len(parse("a: [" + "1," * 997 + "]")["a"]) == 997
 
 
+@pytest.mark.by_day(1)
 @pytest.mark.parametrize("piece", ["[[]]", '{"":0}'])
 def test_too_many_lists_are_refused_before_their_places_are_noted(piece: str) -> None:
     text = f'{{"name": [{",".join([piece] * 160_000)}]}}'

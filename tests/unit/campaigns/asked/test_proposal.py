@@ -32,6 +32,7 @@ def test_a_simulator_of_twelve_seconds() -> None:
     assert found.seconds == 1200.0
 
 
+@pytest.mark.by_day(50)
 @pytest.mark.parametrize(("cost", "parameters", "slots", "patience"), GRID)
 def test_whatever_is_proposed_fits_and_can_be_run(cost: float, parameters: int, slots: int, patience: float) -> None:
     found = proposed(cost, parameters, slots, patience)

@@ -183,6 +183,7 @@ SHORTER: dict[str, tuple[dict[str, Any], dict[str, Any]]] = {
 """By kind of stage, stages and further changes of a campaign whose run has fewer evaluations of it than its budget."""
 
 
+@pytest.mark.by_day(1)
 @pytest.mark.parametrize("kind", SHORTER)
 def test_a_stage_that_takes_nothing_or_ends_early_is_within_its_range(kind: str) -> None:
     stages, changes = SHORTER[kind]

@@ -48,6 +48,7 @@ def _named(call: ast.Call) -> set[object]:
     return {one.value for one in given if isinstance(one, ast.Constant)}
 
 
+@pytest.mark.by_day(150)
 @pytest.mark.parametrize("file", SOURCES, ids=lambda file: str(file.relative_to(ROOT)))
 def test_no_bound_is_rounded_to_the_nearest(file: Path) -> None:
     nodes = _nodes(file)

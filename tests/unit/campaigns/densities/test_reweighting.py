@@ -61,6 +61,7 @@ def test_the_interval_holds_the_exact_probability(name: str) -> None:
     assert found.mean == pytest.approx(SINGLE[name].exact, rel=0.2)
 
 
+@pytest.mark.nightly
 @pytest.mark.parametrize("name", nightly_but(PAIRS_BY_DAY, PAIRS))
 def test_the_interval_holds_where_a_second_region_has_few_draws(name: str) -> None:
     """At 1.5 deviations it held P in 66 % of the samples without what they can have missed."""

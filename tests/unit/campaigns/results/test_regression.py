@@ -196,6 +196,7 @@ def test_cases_in_one_basin_that_is_not_listed_have_one_representative() -> None
     assert (first.standing, second.standing) == (Standing.WORSE, Standing.BETTER)
 
 
+@pytest.mark.nightly
 @given_(
     st.lists(st.tuples(st.floats(0.3, 0.7), st.floats(0.3, 0.7), st.booleans()), min_size=1, max_size=5),
     st.floats(0.3, 0.7),

@@ -129,6 +129,7 @@ def test_a_run_whose_simulator_gives_no_value_fails_with_the_files_of_the_job(
     assert result["ruleId"] == "no-verdict"
 
 
+@pytest.mark.nightly
 def test_no_description_of_an_earlier_run_stays_among_the_results(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -158,6 +159,7 @@ def test_a_description_that_no_run_wrote_is_not_replaced(tmp_path: Path, capsys:
     assert own.read_text(encoding="utf-8") == "name: own"
 
 
+@pytest.mark.nightly
 def test_a_run_in_other_units_is_no_baseline(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     def run(folder: str, unit: str, *more: str) -> int:
         (tmp_path / folder).mkdir()
@@ -176,6 +178,7 @@ def test_a_run_in_other_units_is_no_baseline(tmp_path: Path, capsys: pytest.Capt
     assert run("four", "m", *baseline) == WRONG_INPUT
 
 
+@pytest.mark.nightly
 def test_its_findings_are_replayed_where_its_command_is_permitted(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

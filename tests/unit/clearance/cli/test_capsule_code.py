@@ -84,6 +84,7 @@ def test_source_in_a_capsule_does_not_run_unless_permitted(
 
 
 # By day, that of a package is found by the entry points that are written, below, and recorded by the run, at the end.
+@pytest.mark.nightly
 @pytest.mark.parametrize("module", [OWN, pytest.param(FOREIGN, marks=pytest.mark.nightly)])
 def test_permitted_source_runs_and_gives_the_same_bits(
     module: str, trace: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
@@ -169,6 +170,7 @@ def test_a_run_of_an_own_component_is_replayed_where_it_is_not_installed(
     assert (statement["cases"][0]["agreement"], statement["differences"]) == ("same bits", [])
 
 
+@pytest.mark.nightly
 def test_source_that_does_not_evaluate_the_finding_is_not_claimed_to(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -366,6 +366,7 @@ def test_it_is_written_as_text_of_any_language(tmp_path: Path) -> None:
     assert problems(json.loads((tmp_path / "x.sarif").read_text(encoding="utf-8"))) == []
 
 
+@pytest.mark.by_day(2)
 @pytest.mark.parametrize(
     ("text", "found"),
     [

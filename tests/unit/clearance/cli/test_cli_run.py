@@ -95,6 +95,7 @@ def test_the_rows_of_a_stage_add_up(file: Write, capsys: pytest.CaptureFixture[s
     assert sum(parts) == table[at][1]
 
 
+@pytest.mark.nightly  # by day tests/unit/clearance/cli/test_interrupted.py
 def test_the_audit_lists_what_does_not_agree_and_counts_the_rest(
     file: Write, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -365,6 +366,7 @@ def test_failed_evaluations_are_written_without_a_cost(
     assert {row["cost"] for row in failed} == {""}
 
 
+@pytest.mark.nightly  # by day tests/unit/clearance/cli/test_interrupted.py
 def test_the_threads_change_no_number(file: Write, capsys: pytest.CaptureFixture[str]) -> None:
     name = file(searching(DIRECT, SQP, SAMPLE, scenario__horizon=1.0))
     found = [result(capsys, name, "--threads", n, "--sample-seed", "1")[1] for n in ("1", "2")]
@@ -396,6 +398,7 @@ def test_a_real_process_exits_with_the_code_of_the_verdict(file: Write, tmp_path
     assert json.loads(done.stdout)["verdict"] == "violated"
 
 
+@pytest.mark.nightly  # by day tests/unit/clearance/cli/test_interrupted.py
 def test_interrupted_is_130(file: Write, tmp_path: Path) -> None:
     asked = searching({"method": "monte_carlo", "evaluations": 10_000_000}, stages__sensitivity=None)
     errors = tmp_path / "errors"

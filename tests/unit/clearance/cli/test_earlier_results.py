@@ -73,6 +73,7 @@ FAILURES = [
 ]
 
 
+@pytest.mark.by_day(2)
 @pytest.mark.parametrize(("error", "code"), FAILURES, ids=[type(error).__name__ for error, _ in FAILURES])
 def test_a_run_that_fails_leaves_no_earlier_verdict(
     here: Path, error: BaseException, code: int, monkeypatch: pytest.MonkeyPatch
@@ -134,6 +135,7 @@ def test_the_campaign_among_the_results_may_be_run(here: Path, monkeypatch: pyte
     assert files() == {"campaign.json": campaign, **dict.fromkeys(OWN, b"own")}
 
 
+@pytest.mark.nightly
 def test_the_campaign_that_a_failed_run_left_may_be_run_again(
     here: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -152,6 +154,7 @@ def test_the_campaign_that_a_failed_run_left_may_be_run_again(
 REPLACED = ("evaluations.csv", "evaluations.npz", "evidence.json", "campaign.json", "trace-F1.csv", "trace-nominal.csv")
 
 
+@pytest.mark.by_day(5)
 @pytest.mark.parametrize("name", [*REPLACED, "capsule-F12.zip"])
 @pytest.mark.parametrize("kind", ["file", "folder", "link"])
 def test_files_that_no_run_wrote_are_refused(
@@ -232,6 +235,7 @@ BROKEN = {
 }
 
 
+@pytest.mark.by_day(2)
 @pytest.mark.parametrize("as_json", [False, True])
 @pytest.mark.parametrize("broken", BROKEN)
 def test_a_verdict_whose_results_cannot_be_written_is_printed(
@@ -252,6 +256,7 @@ def test_a_verdict_whose_results_cannot_be_written_is_printed(
     assert not Path("new").exists() or files("new") == {}
 
 
+@pytest.mark.nightly
 def test_another_baseline_is_no_other_campaign(here: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert invoke(["run", "campaign.json", "--baseline", "out", "--out", "new"]) == INCONCLUSIVE
     compared = json.loads(files("new")["result.json"])["digest"]
@@ -264,6 +269,7 @@ def test_another_baseline_is_no_other_campaign(here: Path, capsys: pytest.Captur
     assert files() == before, "the baseline would be lost if the run failed"
 
 
+@pytest.mark.nightly
 def test_an_extension_replaces_what_it_extends_at_its_end(
     here: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

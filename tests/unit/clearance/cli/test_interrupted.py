@@ -39,12 +39,14 @@ def ended(name: str, before: str, argv: list[str]) -> subprocess.CompletedProces
     return subprocess.run([sys.executable, "-P", "-c", code], capture_output=True, text=True, env=environment)
 
 
+@pytest.mark.by_day(2)
 @pytest.mark.parametrize("name", [*EARLY, *LATE])
 def test_an_interrupt_while_modules_are_loaded_is_one(name: str) -> None:
     process = ended(name, "default_int_handler", FOLLOW)
     assert (process.returncode, process.stdout, process.stderr) == (cli.INTERRUPTED, "", "interrupted\n")
 
 
+@pytest.mark.by_day(1)
 @pytest.mark.parametrize("name", [EARLY[0], LATE[0]])
 def test_an_interrupt_that_is_ignored_stays_so(name: str) -> None:
     """As in the background of a shell."""

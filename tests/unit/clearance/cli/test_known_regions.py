@@ -80,6 +80,7 @@ RIDGES = list(product((-0.2, 0.3), ((0.05, 200.0), (1.0, 200.0), (0.3, 20.0), (0
 
 
 # By day a region that violated and one that did not, each with the barrier that hides the ridge most and least.
+@pytest.mark.by_day(1)
 @pytest.mark.parametrize(
     ("first", "given"), rows_nightly_but([(-0.2, (1.0, 200.0)), (-0.2, (0.3, 20.0)), (0.3, (0.05, 1000.0))], RIDGES)
 )
@@ -98,6 +99,7 @@ def test_a_violation_beyond_a_clear_ridge_is_new(first: float, given: tuple[floa
     assert invoke(["audit", "new"]) == 0
 
 
+@pytest.mark.nightly
 @pytest.mark.parametrize("barrier", nightly_but((1.0,), [0.05, 1.0]))
 def test_a_known_violation_hides_no_milder_one_beyond_a_clear_ridge(barrier: float, folder: Path) -> None:
     assert ran(folder, "old", barrier=barrier) == VIOLATED
@@ -109,6 +111,7 @@ def test_a_known_violation_hides_no_milder_one_beyond_a_clear_ridge(barrier: flo
     assert invoke(["audit", "new"]) == 0
 
 
+@pytest.mark.by_day(1)
 @pytest.mark.parametrize(("second", "standing"), [(-0.2, Standing.SAME), (-0.4, Standing.WORSE)])
 def test_two_of_one_violating_region_are_one(second: float, standing: Standing, folder: Path) -> None:
     """The line between the wells rises by a part of a metre, but not to the threshold."""
@@ -144,6 +147,7 @@ def elsewhere(basin: Any) -> None:
     basin["line"] = {"end": [0.2, 0.22], "highest": -0.1}
 
 
+@pytest.mark.by_day(1)
 @pytest.mark.parametrize("forge", nightly_but((without, elsewhere), [lower, without, elsewhere]))
 def test_the_audit_evaluates_the_line_again(forge: Any, folder: Path) -> None:
     ran(folder, "old", ridge=0.2, second=0.0)

@@ -50,6 +50,7 @@ def test_a_violated_run_states_it_everywhere(tmp_path: Path, capsys: pytest.Capt
     assert invoke(["audit", str(tmp_path / "out")]) == 0
 
 
+@pytest.mark.nightly
 def test_in_a_box_one_line_says_so(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     asked = searching(*SEARCHES, criterion__threshold=0.943, scenario__horizon=4.0)
     (tmp_path / "campaign.json").write_text(json.dumps(asked.document()))

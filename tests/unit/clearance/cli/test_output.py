@@ -15,6 +15,7 @@ from clearance import cli
 COMMAND = [sys.executable, "-P", "-m", "clearance"]
 
 
+@pytest.mark.nightly
 def test_a_pipe_that_is_closed_changes_no_exit_code() -> None:
     reading, writing = os.pipe()
     os.close(reading)

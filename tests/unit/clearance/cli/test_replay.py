@@ -73,6 +73,7 @@ def test_a_sample_is_simulated_with_its_own_noise(tmp_path: Path, capsys: pytest
     assert [case["agrees"] for case in statement["cases"]] == [False] * 3 + [True] * 3
 
 
+@pytest.mark.by_day(1)
 @pytest.mark.parametrize(
     "name", nightly_but(("counted", "counted exclusions"), ["counted", "counted noise", "counted exclusions"])
 )

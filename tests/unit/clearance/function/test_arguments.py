@@ -197,6 +197,7 @@ def test_a_search_of_another_criterion_or_of_other_stages_is_not_resumed() -> No
         searched(resume=first, methods={"direct": 60})
 
 
+@pytest.mark.nightly
 @pytest.mark.parametrize("workers", [1, pytest.param(2, marks=pytest.mark.nightly)])
 def test_workers_give_the_same_numbers(workers: int) -> None:
     beside = searched(workers=workers, methods={"direct": 30}, validation=20)

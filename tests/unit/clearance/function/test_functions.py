@@ -49,6 +49,7 @@ def test_minimisers_are_far_from_each_other_and_the_published_ones_are_all_there
     assert len(points) == {"Branin": 3, "six-hump camel": 2, "Shubert": 18}.get(name, 1)
 
 
+@pytest.mark.by_day(5)
 @pytest.mark.parametrize("seed", nightly_but((1,), [None, 1, 2]))
 @EACH
 def test_no_random_or_polished_point_is_lower(name: str, seed: int | None) -> None:

@@ -11,6 +11,8 @@ import pytest
 import clearance
 from clearance.cli import invoke
 
+pytestmark = pytest.mark.nightly
+
 
 def test_a_search_names_the_version_of_what_its_function_imports(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch

@@ -11,6 +11,8 @@ import pytest
 
 from tests.notebooks import executed
 
+pytestmark = pytest.mark.nightly
+
 NOTEBOOK = Path(__file__).parents[4] / "docs" / "examples" / "parachute.ipynb"
 COUNT = r"(\d[\d  ]*) evaluations"
 NUMBER = r"[-−+]?\d[\d .]*(?:e[-+]?\d+)?"

@@ -70,6 +70,7 @@ def test_a_value_that_is_milder_when_evaluated_again_is_stated_as_in_the_verdict
     assert invoke(["audit", str(tmp_path / "out")]) == 0
 
 
+@pytest.mark.by_day(1)
 @pytest.mark.parametrize("repeats", [True, False])
 def test_a_chance_of_a_lower_case_is_stated_only_where_results_repeat(repeats: bool, tmp_path: Path) -> None:
     calls = itertools.count()
@@ -86,6 +87,7 @@ def test_a_chance_of_a_lower_case_is_stated_only_where_results_repeat(repeats: b
     assert (found.verdict.sureness is not None) == repeats
 
 
+@pytest.mark.by_day(1)
 @pytest.mark.parametrize("late", [0, 100])
 @pytest.mark.parametrize("fails", [True, False])
 def test_the_advice_can_be_followed_for_a_function(fails: bool, late: int, tmp_path: Path) -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import numpy as np
+import pytest
 
 from campaigns.asked.load import load_document
 from campaigns.results.base import EXCLUDED, FAILED, OK, TIMEOUT
@@ -46,6 +47,7 @@ def test_what_failed_is_counted_by_reason_and_status() -> None:
     assert found[0].output == "working on 3"
 
 
+@pytest.mark.nightly
 def test_what_failed_and_is_only_counted_is_in_the_list_as_well(tmp_path: Path) -> None:
     """The list and that number are all failures of the verdict, in the terminal, in the files and for the audit."""
     document = noisy.campaign().document()

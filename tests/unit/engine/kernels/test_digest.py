@@ -452,6 +452,7 @@ def test_copies_of_the_package_in_other_folders_share_what_is_compiled(tmp_path:
     assert changed["loop"] == changed["callback"] == 4.0 - 6.25
 
 
+@pytest.mark.nightly
 def test_a_function_that_is_sent_to_another_process_is_compiled_there() -> None:
     sent = pickle.dumps(cached(loaded("def f(x): return x + 1.0")))
     receive = [sys.executable, "-c", "import pickle, sys; print(pickle.load(sys.stdin.buffer)(1.0))"]

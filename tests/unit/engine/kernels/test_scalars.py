@@ -34,6 +34,7 @@ def test_samples_of_noise_are_the_same() -> None:
         assert kept[maths.uniform](*asked) == plain(maths.uniform)(*asked)
 
 
+@pytest.mark.by_day(3)
 @pytest.mark.parametrize("name", nightly_but(list(library())[::4], library()))
 def test_a_shipped_loop_has_the_same_bits(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
     flights = opened.flights(load_file(library()[name]), compiled=False, lanes=1)

@@ -37,6 +37,7 @@ def test_no_campaign_of_the_library_is_left_out() -> None:
     assert set(library()) <= set(EARLIER)
 
 
+@pytest.mark.by_day(4)
 @pytest.mark.parametrize("name", nightly_but(list(EARLIER)[::3], EARLIER))
 def test_the_library_simulates_as_before(name: str) -> None:
     problem = Problem(campaign(name), compiled=False)

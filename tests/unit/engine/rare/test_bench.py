@@ -36,6 +36,7 @@ def test_there_are_22_public_problems_and_their_published_values_are_near() -> N
     assert all(p.published == pytest.approx(p.probability, rel=0.07) for p in PUBLIC)
 
 
+@pytest.mark.nightly
 @pytest.mark.parametrize("index", nightly_but((29,), [4, 28, 29, 32]))
 def test_the_probability_of_a_generated_problem_is_that_of_a_plain_sample(index: int) -> None:
     problem = generated(index)
@@ -54,6 +55,7 @@ def test_the_bars_hold_on_the_judging_half(tmp_path: Path) -> None:
     assert found["most_evaluations"] <= 5000
 
 
+@pytest.mark.by_day(1)
 @pytest.mark.parametrize("cube", CUBES)
 def test_after_a_search_the_stage_chooses_starts_from_which_the_estimate_holds(cube: str) -> None:
     """A problem for setting, of two parameters and two modes."""

@@ -46,6 +46,7 @@ def test_known_modes_give_the_probability_and_their_shares() -> None:
     assert found.effective > 500
 
 
+@pytest.mark.nightly
 @pytest.mark.parametrize(("seeds", "least"), [(20, 17), pytest.param(60, 53, marks=pytest.mark.nightly)])
 def test_the_interval_holds_as_often_as_it_states(seeds: int, least: int) -> None:
     """95 % would be 57 of 60 on average; fewer than 53 has a probability of 1 %, fewer than 17 of 20 of 2 %."""

@@ -97,6 +97,7 @@ def test_the_witness_requests_what_it_would_request_alone(function: Function) ->
     alone.close()
 
 
+@pytest.mark.nightly
 def test_the_witness_has_its_smallest_share_while_the_others_lead() -> None:
     count = counted(requested(bowl, 4, 3000))
     share = count["contrast_racing"] / sum(count.values())
@@ -151,6 +152,7 @@ def valley(x: Floats) -> Floats:
     return np.asarray((100.0 * (z[:, 1:] - z[:, :-1] ** 2) ** 2 + (1.0 - z[:, :-1]) ** 2).sum(axis=1))
 
 
+@pytest.mark.nightly
 def test_a_long_valley_is_descended_to_its_end() -> None:
     first = requested(valley, 20, OPENING * 20)
     assert counted(first)["sqp"] > 1.2 * AMID_FAILURES * 20
@@ -181,6 +183,7 @@ def test_cma_es_begins_anywhere_once_the_model_has_stopped_improving() -> None:
     assert np.abs(first - 0.3).max() > 0.1
 
 
+@pytest.mark.nightly
 def test_the_model_makes_way_for_an_evolution_strategy() -> None:
     cheap = counted(requested(stairs, 2, 1000))
     assert cheap["differential_evolution"] > cheap["lq_cma_es"] > 0
@@ -199,6 +202,7 @@ def test_mlsl_searches_the_box_once_differential_evolution_has_converged(dimensi
     assert counts["sqp"] == pytest.approx(BELOW * leading, rel=0.2)
 
 
+@pytest.mark.nightly
 def test_beyond_that_cma_es_begins_again_and_descents_get_more() -> None:
     parts = requested(rugged, SMALL + 1, 2000 * (SMALL + 1))
     assert counted(parts)["mlsl"] == 0
@@ -225,6 +229,7 @@ def test_a_star_takes_nothing_from_the_member_apart_and_comes_where_the_lowest_p
     assert not team._looks_across(), "too early"
 
 
+@pytest.mark.nightly
 def test_a_star_takes_each_parameter_over_its_range_with_the_others_as_in_the_lowest_point() -> None:
     n = SMALL + 2
     parts = requested(stairs, n, 500 * n)
@@ -238,6 +243,7 @@ def test_a_star_takes_each_parameter_over_its_range_with_the_others_as_in_the_lo
         assert (np.sort(points[points != centre].reshape(n, ACROSS)) // (1 / ACROSS) == np.arange(ACROSS)).all()
 
 
+@pytest.mark.nightly
 def test_a_star_comes_again_only_where_the_lowest_point_has_moved() -> None:
     n = SMALL + 2
     still = [len(points) for member, points, _ in requested(bowl, n, 1000 * n) if member == "lq_cma_es"]

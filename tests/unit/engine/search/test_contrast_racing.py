@@ -135,6 +135,7 @@ def test_the_best_third_goes_up_in_its_order_but_who_follows_a_better_one() -> N
 MANY = [pytest.param(name, 6, marks=pytest.mark.nightly) for name in ("Shekel 10", "Hartman 6", "excluded region")]
 
 
+@pytest.mark.by_day(1)
 @pytest.mark.parametrize(("name", "seeds"), [("Shekel 10", 2), ("Hartman 6", 2), ("excluded region", 1), *MANY])
 def test_the_known_minimum_is_found_from_every_seed(name: str, seeds: int) -> None:
     for seed in range(seeds):

@@ -201,6 +201,7 @@ def test_points_without_a_value_rank_last_and_the_search_gets_around_them(status
     assert late.mean() < 0.2
 
 
+@pytest.mark.by_day(3)
 @pytest.mark.parametrize(
     "option",
     [

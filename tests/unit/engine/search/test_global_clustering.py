@@ -139,6 +139,7 @@ def test_it_reports_both_of_two_basins(options: dict[str, Any], seed: int) -> No
         assert m.evaluations > 0
 
 
+@pytest.mark.by_day(1)
 @pytest.mark.parametrize(("name", "known"), [("Branin", 3), ("six-hump camel", 2), ("Shubert", 8)])
 def test_it_finds_the_minimisers_of_functions_with_several(name: str, known: int) -> None:
     f = on_unit_cube(name, 1)

@@ -49,6 +49,7 @@ def library(function: object, dimension: int, budget: int, seed: int) -> Floats:
     return np.array(asked)
 
 
+@pytest.mark.by_day(1)
 @pytest.mark.parametrize(("name", "budget"), [("Hartman 6", 80), ("Branin", 50)])
 def test_its_points_are_those_of_the_librarys_own_loop(name: str, budget: int) -> None:
     f = on_unit_cube(name, 3)
@@ -185,6 +186,7 @@ def test_what_fails_is_replaced_by_the_next_best_and_never_modelled(monkeypatch:
     assert found.lowest < 1e-3, "the minimum is at the edge of what fails"
 
 
+@pytest.mark.nightly
 def test_a_hole_at_the_bottom_does_not_take_most_evaluations() -> None:
     """In the model's order alone, and with its minimum in every generation, 61 to 67 % of the second half fail."""
     fractions = []

@@ -93,6 +93,7 @@ def test_points_without_a_value_do_not_end_it(local: str) -> None:
     assert run(method, lambda x: np.full(len(x), np.nan), 2, 200, options={"local": local}).minima == []
 
 
+@pytest.mark.by_day(1)
 @pytest.mark.parametrize("name", ["Branin", "Hartman 3", "Shekel 7"])
 def test_the_known_minimum_is_found(name: str) -> None:
     function = on_unit_cube(name, 1)

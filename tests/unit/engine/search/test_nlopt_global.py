@@ -76,6 +76,7 @@ for algorithm in {algorithms}:
 """
 
 
+@pytest.mark.nightly
 def test_none_crashes_the_process_when_it_is_abandoned_at_its_first_points() -> None:
     """As at the end of a budget, or when a run is cancelled."""
     script = ABANDONED.format(algorithms=[a for a in ALGORITHMS if a not in method.most_parameters["algorithm"]])

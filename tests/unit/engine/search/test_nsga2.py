@@ -89,6 +89,7 @@ def pymoo(f: Several, dimension: int, generations: int, failing: Several, option
     return np.concatenate(points)
 
 
+@pytest.mark.by_day(2)
 @pytest.mark.parametrize(
     ("f", "dimension", "options"),
     [

@@ -314,6 +314,7 @@ def test_a_peer_gets_a_number_where_an_evaluation_fails_and_ends_at_its_budget_o
     assert len(searches.peer_trace(peer, half_fails, 1, 9, 1, stop=0.1).values) == 4
 
 
+@pytest.mark.nightly
 def test_what_a_search_states_is_decided_by_another_one() -> None:
     part, chosen = board.PARTS["sureness"], {("needles", 4), ("ill-conditioned bowls", 5)}
     made = [c for c in part.cells(Request("setting", ("auto",), 1, (50, 60))) if (c.problem, c.number) in chosen]

@@ -32,6 +32,7 @@ def measure(cell: Cell, function: Function) -> dict[str, Any]:
 METHODS = ("auto", "nlopt_global", "monte_carlo", "pycma_bipop", "nlopt_crs")
 
 
+@pytest.mark.nightly
 @pytest.mark.parametrize("processes", [1, pytest.param(2, marks=pytest.mark.nightly)])
 def test_the_figures_of_a_cell_are_those_that_it_has_alone(processes: int, tmp_path: Path) -> None:
     asked = [Cell("p", "setting", m, "bowl", 2, seed, (10, 30)) for seed in (1, 2, 3) for m in METHODS]

@@ -61,6 +61,7 @@ def test_too_few_points_have_no_trend() -> None:
     assert closer(Trend(N), dented) == (None, [])
 
 
+@pytest.mark.nightly
 def test_it_looks_at_no_place_twice_until_none_is_left() -> None:
     trend, ends = seen(dented), []
     while (point := closer(trend, dented)[0]) is not None:

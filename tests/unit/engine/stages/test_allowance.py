@@ -71,6 +71,7 @@ def small(name: str, evaluations: int) -> Campaign:
     return load_document(made)
 
 
+@pytest.mark.by_day(1)
 @pytest.mark.parametrize(
     ("name", "evaluations"), rows_nightly_but([(DAILY[0], 1), (DAILY[-1], 60)], list(itertools.product(DAILY, (1, 60))))
 )
@@ -97,6 +98,7 @@ def test_every_campaign_of_the_library_stays_within_its_bound(name: str, flown: 
     assert result.findings.complete
 
 
+@pytest.mark.by_day(5)
 @pytest.mark.parametrize(
     ("how", "simulator"),
     [("none", {}), ("noise", {}), ("none", noisy.REPEATS), ("noise", noisy.REPEATS)],
@@ -122,6 +124,7 @@ def test_a_simulator_that_repeats_or_not_stays_within_its_bound(
         within(asked, store, calls)
 
 
+@pytest.mark.by_day(2)
 @pytest.mark.parametrize("vectorized", [False, True])
 @pytest.mark.parametrize("settings", [{}, {"validation": 0}, {"validation": 700}, {"budget": 300}])
 def test_a_function_is_called_no_more_often_than_stated(vectorized: bool, settings: dict[str, int]) -> None:

@@ -146,6 +146,7 @@ def test_every_case_is_followed_to_its_basin() -> None:
     assert third == first
 
 
+@pytest.mark.by_day(1)
 @pytest.mark.parametrize("most", [8, 24])
 def test_cases_are_followed_however_many_findings_are_listed(most: int) -> None:
     turned, k = np.array([[0.8, 0.6], [-0.6, 0.8]]), np.arange(12)
@@ -337,6 +338,7 @@ def test_an_extended_run_takes_no_other_baseline(capsys: pytest.CaptureFixture[s
     assert refused(capsys, "run", "--continue", "x", "--budget", "+1", "--baseline", "R-0001") == RefusalCode.OPTIONS
 
 
+@pytest.mark.nightly
 def test_drawn_noise_is_simulated_with_the_seed_of_the_baseline(
     tmp_path: Path,
     capsys: pytest.CaptureFixture[str],

@@ -74,6 +74,7 @@ def test_a_quantile_is_never_bounded_above_that_of_all_flights(share: float) -> 
     assert 0.0 <= exact - binned <= (0.0 if share * SAMPLES < 0.9 * KEPT else scale.width * (1 + 1e-9))
 
 
+@pytest.mark.nightly
 def test_its_distribution_function_is_that_of_all_flights() -> None:
     _, found = ran()
     curve, values = found.sample.distribution, expected()
@@ -106,6 +107,7 @@ def test_an_interrupted_sample_goes_on_to_the_same_bits(interrupted: int, monkey
     assert again.model_copy(update=untimed) == whole.model_copy(update=untimed)
 
 
+@pytest.mark.nightly
 def test_the_stored_flights_are_the_lowest_and_the_first_and_can_be_made_again() -> None:
     of, found = ran()
     columns, values = of.store.evaluations(0), expected()
@@ -149,6 +151,7 @@ def test_excluded_draws_are_drawn_again_until_the_sample_is_whole() -> None:
     assert found.sample.violations == (costs(left) <= THRESHOLD).sum()
 
 
+@pytest.mark.nightly
 def test_a_sample_that_excludes_nearly_all_ends_at_twice_its_draws() -> None:
     _, found = ran(1000, evaluate(excluded=lambda x: x[:, 0] < 0.9))
     assert found.evaluations == 2000
@@ -191,6 +194,7 @@ def test_a_sample_that_meets_its_target_is_whole() -> None:
     assert found.sample.quantile is not None
 
 
+@pytest.mark.nightly
 def test_a_sample_with_too_many_violations_only_with_its_last_block_is_whole() -> None:
     """All of it was drawn, so that its bound counts all; where draws were left, it ended early."""
     samples, allowed = 30_000, claims.allowed(30_000, 0.001, 0.95)
@@ -280,6 +284,7 @@ def test_those_without_a_result_are_kept_beside_the_lowest() -> None:
     assert kept.reasons == {1: "broke"}
 
 
+@pytest.mark.by_day(1)
 @pytest.mark.parametrize("each", [64, 1024, 4096])
 def test_what_is_kept_of_blocks_is_what_is_kept_of_all(each: int) -> None:
     """Whatever was left out of a block as those before it showed."""
@@ -300,6 +305,7 @@ def test_what_is_kept_of_blocks_is_what_is_kept_of_all(each: int) -> None:
     assert sum(len(block.kept.indices) for block in blocks) < 15_000
 
 
+@pytest.mark.nightly
 def test_many_failures_displace_no_violation() -> None:
     of, found = ran(flown=evaluate(failing=lambda x: x[:, 0] > 0.9))
     columns, points = of.store.evaluations(0), uniform(1, STREAM, 0, SAMPLES, 2)

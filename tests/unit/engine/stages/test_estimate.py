@@ -82,6 +82,7 @@ def correlated(bounds: float, violation: Callable[[Floats], Floats], seed: int) 
     return made(of)
 
 
+@pytest.mark.nightly
 def test_of_correlated_normals_the_interval_holds_the_known_probability() -> None:
     holds = 0
     for seed in range(8):
@@ -93,6 +94,7 @@ def test_of_correlated_normals_the_interval_holds_the_known_probability() -> Non
     assert holds >= 7
 
 
+@pytest.mark.nightly
 def test_a_draw_beyond_the_bounds_of_a_correlated_normal_is_no_violation_of_the_estimate_but_in_its_upper_end() -> None:
     """Beyond 2.5 deviations are at most 2.5 %; what is put on the bound violates, and nothing else does."""
     result = correlated(2.5, lambda z: np.where(np.abs(z).max(axis=1) >= 2.4999, 1.0, -1.0), 1)

@@ -72,6 +72,7 @@ def found_by(campaign: Campaign, function: Function, budget: int = 10**6) -> tup
     return made, found, drive(made, position, findings.search(made, position, found), budget, repeats=True)
 
 
+@pytest.mark.by_day(3)
 @pytest.mark.parametrize("method", [pytest.param(m, marks=[pytest.mark.nightly] if m in SLOW else []) for m in GLOBAL])
 def test_two_symmetric_failures_are_exactly_two_findings(method: str) -> None:
     request = {"method": method, "evaluations": BUDGETS.get(method, BUDGET), "options": OPTIONS.get(method, {})}
@@ -223,6 +224,7 @@ def many(most: int) -> tuple[Context, Found, Driven]:
     return found_by(searching({"method": "monte_carlo", "evaluations": 6}, **stages), wells, budget=60_000)
 
 
+@pytest.mark.nightly
 def test_where_more_findings_are_requested_what_is_left_looks_for_further_ones() -> None:
     _, found, driven = many(24)
     _, usual, few = many(8)
@@ -252,6 +254,7 @@ def smooth(x: Floats) -> Floats:
     return np.asarray(0.9 + 0.3 * np.cos(25.0 * x).sum(axis=1) + 0.5 * ((x - 0.4) ** 2).sum(axis=1))
 
 
+@pytest.mark.by_day(2)
 @pytest.mark.parametrize("function", [rugged, smooth, two_failures])
 @pytest.mark.parametrize("allowed", nightly_but((700, 6_000), [700, 3_000, 6_000, 12_000, 40_000]))
 def test_who_requests_more_findings_gets_no_less(function: Function, allowed: int) -> None:

@@ -88,6 +88,7 @@ def test_the_same_component_twice_has_two_names() -> None:
     assert names == ["separation", "time_to_goal", "time_to_goal#2", "time_to_goal#3"]
 
 
+@pytest.mark.nightly
 def test_a_large_front_is_thinned_and_states_its_full_size() -> None:
     m = 3 * front.MOST
     line = np.linspace(1.0, 2.0, m)
@@ -98,6 +99,7 @@ def test_a_large_front_is_thinned_and_states_its_full_size() -> None:
     assert [points[k].index for k in (0, -1)] == [0, m - 1]
 
 
+@pytest.mark.by_day(1)
 @pytest.mark.parametrize("method", ["nsga2", "monte_carlo"])
 def test_a_run_stores_it_and_the_file_has_every_criterion(method: str, tmp_path: Path) -> None:
     problem = campaign(

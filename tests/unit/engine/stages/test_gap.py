@@ -54,6 +54,7 @@ def test_of_a_bowl_it_is_below_the_minimum_and_approaches_it() -> None:
     assert gaps[0] > gaps[1] > gaps[2]
 
 
+@pytest.mark.by_day(1)
 @pytest.mark.parametrize("method", [direct.method, direct_l.method], ids=lambda m: m.name)
 @pytest.mark.parametrize(
     "failing",

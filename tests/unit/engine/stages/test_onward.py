@@ -93,6 +93,7 @@ def test_how_many_are_not_simulated_on_is_stated(monkeypatch: pytest.MonkeyPatch
     audited(store, campaign)
 
 
+@pytest.mark.nightly
 def test_of_a_counted_sample_those_that_are_not_stored_are_among_them() -> None:
     campaign, store = counting(3500), MemoryStore(sample_seed=DRAWN)
     execute(campaign, store, threads=1)

@@ -75,6 +75,7 @@ def test_eight_threads_give_the_same_bits(alone: tuple[Any, int]) -> None:
     assert run(MemoryStore(sample_seed=DRAWN), 8) == alone[0]
 
 
+@pytest.mark.by_day(1)
 @pytest.mark.parametrize(
     "share",
     # By day in a search, in the sample and in the validation.
@@ -89,6 +90,7 @@ def test_an_interruption_changes_nothing(share: float, alone: tuple[Any, int]) -
     assert run(store, 3) == found
 
 
+@pytest.mark.nightly
 def test_another_seed_gives_other_random_stages_and_the_same_direct() -> None:
     stores = []
     for seed in (1, 2):

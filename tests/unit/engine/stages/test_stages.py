@@ -84,6 +84,7 @@ def test_sensitivity_against_the_published_curves() -> None:
     assert mass.status == ["ok"] * 5
 
 
+@pytest.mark.nightly
 def test_sensitivity_over_a_region_that_is_excluded() -> None:
     uncertain = {"start.x": {"low": 0.0, "high": 4.0}, "start.y": {"low": -1.0, "high": 8.0}}
     store, conclusion = run(
@@ -236,6 +237,7 @@ def test_the_finding_is_the_lowest_of_everything() -> None:
     assert store.traces["F1"].meta.cost == found.cost
 
 
+@pytest.mark.nightly
 def test_what_only_polishing_found_names_no_method() -> None:
     # One evaluation at the centre of the box, far from the worst corner.
     store, _ = run(searching({"method": "direct", "evaluations": 1}, stages__sensitivity=None, scenario__horizon=4.0))

@@ -16,6 +16,7 @@ CASES = [
 ]
 
 
+@pytest.mark.by_day(1)
 @pytest.mark.parametrize(("widths", "seed"), CASES)
 def test_both_modes_are_findings(widths: str, seed: int) -> None:
     found, result = TwoModes.drawn(2 + seed % 4, widths, seed).found(seed)

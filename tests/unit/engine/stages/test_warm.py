@@ -25,6 +25,7 @@ SIZES = ((2, 400), (4, 300), (8, 300))
 BY_DAY = ((2, 400), (8, 100))
 
 
+@pytest.mark.nightly
 @pytest.mark.parametrize(
     ("name", "sizes"),
     rows_nightly_but([("auto", BY_DAY)], [("auto", BY_DAY), *((n, SIZES) for n in ["each by itself", *WITH_MEMBERS])]),

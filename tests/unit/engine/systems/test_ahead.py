@@ -86,6 +86,7 @@ def flight(shape: str, criterion: str) -> tuple[Ahead, int]:
     return Ahead(system, row, states[1], seen, system.step), axes
 
 
+@pytest.mark.by_day(8)
 @pytest.mark.parametrize("criterion", CRITERIA)
 @pytest.mark.parametrize("shape", SHAPES)
 @pytest.mark.parametrize("seed", nightly_but(range(20), range(3)))
@@ -142,6 +143,7 @@ def met(made: Problem) -> tuple[Beyond, Seen]:
     return found, seen
 
 
+@pytest.mark.by_day(1)
 @pytest.mark.parametrize("criterion", CRITERIA)
 @pytest.mark.parametrize("goal", [1780.0, -1780.0])
 def test_an_aircraft_that_descends_or_climbs_to_the_height_of_a_cylinder_meets_it(goal: float, criterion: str) -> None:
@@ -231,6 +233,7 @@ def last(criterion: str) -> tuple[Points, Points]:
     return positions[1], (positions[1] - positions[0]) / EACH
 
 
+@pytest.mark.by_day(3)
 @pytest.mark.parametrize(("body", "moves", "criterion"), [*product(BODIES, MOTIONS, CRITERIA)])
 def test_an_obstacle_of_ones_own_is_met_as_its_body_shows_it(body: str, moves: str, criterion: str) -> None:
     """Its extent is not declared, or its centre depends on the place from which it is seen."""

@@ -51,6 +51,7 @@ def orbit(arrives: float, miss: float, turns: float = 0.7) -> dict[str, Any]:
     return {"centre": centre, "way": way, "phase": phase, "speed": 2 * math.pi * turns * way / arrives}
 
 
+@pytest.mark.by_day(1)
 @pytest.mark.parametrize("horizons", nightly_but((2.3, 9.0), [2.3, 3.0, 4.0, 9.0]))
 def test_an_orbit_is_followed_for_a_whole_turn(horizons: float) -> None:
     found = beyond("orbiting_circle", **orbit(horizons * HORIZON, 0.4))
@@ -63,12 +64,14 @@ def test_an_orbit_is_followed_for_a_whole_turn(horizons: float) -> None:
     assert found.lowest.value == pytest.approx(0.4, abs=0.2)
 
 
+@pytest.mark.by_day(1)
 @pytest.mark.parametrize("horizons", nightly_but((0.4, 50.0), [0.4, 1.9, 4.0, 50.0]))
 def test_an_orbit_that_stays_away_bars_nothing(horizons: float) -> None:
     found = beyond("orbiting_circle", **orbit(horizons * HORIZON, 8.0))
     assert (found.closer, found.unknown) == (0, None)
 
 
+@pytest.mark.nightly
 def test_a_path_is_followed_to_its_end() -> None:
     """It moves away at twice the horizon, and turns later."""
     far = {"position": place(30.0, 7.0), "waypoint1": place(70.0, 7.0), "speed": 2.0}

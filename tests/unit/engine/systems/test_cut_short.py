@@ -68,6 +68,7 @@ def passed(time: float, aside: float) -> tuple[float, ...]:
     return x, y, z - aside
 
 
+@pytest.mark.by_day(1)
 @pytest.mark.parametrize(
     ("time", "criterion"),
     rows_nightly_but(
@@ -112,6 +113,7 @@ def corners(made: Problem) -> Any:
     return np.concatenate([made.nominal_point[None, :], random.random((3, len(made.nominal_point)))])
 
 
+@pytest.mark.nightly
 @pytest.mark.parametrize("memory", nightly_but((1,), [1, 2**23]))
 def test_flights_that_fail_at_different_steps_meet_what_each_meets_alone(
     memory: int, monkeypatch: pytest.MonkeyPatch
@@ -128,6 +130,7 @@ def test_flights_that_fail_at_different_steps_meet_what_each_meets_alone(
     assert together.lowest == lowest.model_copy(update={"name": together.lowest.name if together.lowest else ""})
 
 
+@pytest.mark.by_day(1)
 @pytest.mark.parametrize(
     ("aside", "criterion"),
     rows_nightly_but(

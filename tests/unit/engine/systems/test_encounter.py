@@ -60,6 +60,7 @@ def test_the_next_run_of_a_scenario_has_it_without_simulating_it() -> None:
     assert first.unseen.deviation is not None
 
 
+@pytest.mark.nightly
 def test_a_nominal_case_that_fails_has_no_closest_approach() -> None:
     """The aircraft of case 3 passes its obstacle, and slips out of its envelope later."""
     document = load_file(library()["uav_static"]).document()
@@ -71,6 +72,7 @@ def test_a_nominal_case_that_fails_has_no_closest_approach() -> None:
     assert seen(complete).closest.at == "inside"
 
 
+@pytest.mark.by_day(3)
 @pytest.mark.parametrize("other", OTHERS.values(), ids=OTHERS)
 def test_what_changes_it_is_simulated(other: Campaign) -> None:
     alone = seen(other)

@@ -109,6 +109,7 @@ def test_every_avoider_answers(name: str) -> None:
     check(problem(components()["avoider", name], compiled=False))
 
 
+@pytest.mark.by_day(8)
 @pytest.mark.parametrize("name", sorted(SHIPPED))
 def test_every_campaign_of_the_library_has_a_field(name: str) -> None:
     check(Problem(SHIPPED[name], compiled=False))

@@ -81,6 +81,7 @@ def record(folder: Path, name: str) -> Path:
 IN_PARTS = ("cleared", "since", "alone", "counted target", "calls:calls")
 
 
+@pytest.mark.by_day(1)
 @pytest.mark.parametrize("name", nightly_but(("since", "calls:calls"), IN_PARTS))
 def test_a_part_that_is_absent_disagrees_whatever_the_sentences_state(name: str, tmp_path: Path) -> None:
     path, seen = record(tmp_path, name), set[str]()
@@ -112,6 +113,7 @@ WITHOUT = [(*place, empty) for place in REQUIRED for empty in (False, True)]
 REMOVED = [one for one in WITHOUT if not one[2] or one[1][-1] in ("beyond", "files")]
 
 
+@pytest.mark.by_day(4)
 @pytest.mark.parametrize("without", nightly_but(REMOVED, WITHOUT))
 def test_what_every_record_has_is_required(without: tuple[str, tuple[Any, ...], bool], tmp_path: Path) -> None:
     name, at, empty = without

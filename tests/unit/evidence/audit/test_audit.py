@@ -61,6 +61,7 @@ COMBINED = ("counted noise", "counted correlations", "counted violations", "coun
 BY_DAY = RUNS.keys() - set(COMBINED)
 
 
+@pytest.mark.by_day(4)
 @pytest.mark.parametrize("name", nightly_but(BY_DAY, RUNS))
 def test_the_verdict_of_every_run_follows(name: str, tmp_path: Path) -> None:
     campaign, store = ran(name)
@@ -70,6 +71,7 @@ def test_the_verdict_of_every_run_follows(name: str, tmp_path: Path) -> None:
     assert {SEAL, "files.rows", "files.evaluations.csv", "files.trace-nominal.csv"} <= {i.name for i in of_files}
 
 
+@pytest.mark.by_day(4)
 @pytest.mark.parametrize("name", nightly_but(BY_DAY, RUNS))
 def test_it_follows_where_words_alone_are_stored(name: str, tmp_path: Path) -> None:
     folder = Folder(written(tmp_path / "out", name))
@@ -101,6 +103,7 @@ CORRUPTED = [corruption for corruption in CORRUPTIONS if corruption[0] not in FU
 assert len(CORRUPTED) == len(CORRUPTIONS) - len(FURTHER)
 
 
+@pytest.mark.by_day(24)
 @pytest.mark.parametrize("corruption", nightly_but(CORRUPTED, CORRUPTIONS), ids=[c[0] for c in CORRUPTIONS])
 def test_a_corrupted_record_does_not_follow(
     corruption: tuple[str, str, Callable[[Folder], Any], str], tmp_path: Path
@@ -115,6 +118,7 @@ def test_a_corrupted_record_does_not_follow(
     assert item in sentence
 
 
+@pytest.mark.by_day(5)
 @pytest.mark.parametrize(("name", "change", "item"), [(c[0], *c[2:]) for c in CALLS], ids=[c[1] for c in CALLS])
 def test_a_corrupted_record_of_calls_does_not_follow(
     name: str, change: Callable[[Folder], Any], item: str, tmp_path: Path
@@ -185,6 +189,7 @@ DATABASE: dict[str, tuple[Callable[[sa.Connection], Any], str]] = {
 }
 
 
+@pytest.mark.by_day(2)
 @pytest.mark.parametrize("corruption", DATABASE)
 def test_a_corrupted_database_does_not_follow(corruption: str, database: sa.Engine) -> None:
     change, item = DATABASE[corruption]

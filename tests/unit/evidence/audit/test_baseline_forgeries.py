@@ -40,6 +40,7 @@ def folder(tmp_path: Path) -> Folder:
     return Folder(written(tmp_path / "out", "since"))
 
 
+@pytest.mark.nightly
 @pytest.mark.parametrize("first", nightly_but((0,), range(EVERY)))
 def test_no_value_of_the_comparison_is_free(first: int, tmp_path: Path) -> None:
     path = written(tmp_path / "out", "since")
@@ -162,6 +163,7 @@ CHANGES: dict[str, Callable[[sa.Connection], object]] = {
 }
 
 
+@pytest.mark.by_day(1)
 @pytest.mark.parametrize("name", CHANGES)
 def test_the_baseline_of_a_database_is_its_run(name: str, compared: sa.Engine) -> None:
     assert follows(compared)
@@ -183,6 +185,7 @@ def test_a_state_that_no_run_has_is_refused(compared: sa.Engine) -> None:
         of_database(reader, 2)
 
 
+@pytest.mark.by_day(1)
 @pytest.mark.parametrize("there", [0.9, 0.96])
 def test_of_another_threshold_the_comparison_is_accepted(there: float, monkeypatch: pytest.MonkeyPatch) -> None:
     """Also once later versions have other sentences."""

@@ -76,6 +76,7 @@ FALSE: dict[str, Callable[[Block], Block]] = {
 BY_DAY = ("costs in higher bins", "a higher lowest cost", "negative exclusions")
 
 
+@pytest.mark.by_day(1)
 @pytest.mark.parametrize("name", nightly_but(BY_DAY, FALSE))
 def test_a_false_count_is_rejected(name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     def falsely(*given: Any, **named: Any) -> Block:
@@ -92,6 +93,7 @@ def test_a_false_count_is_rejected(name: str, tmp_path: Path, monkeypatch: pytes
         return  # such a result cannot be read, or not be made
 
 
+@pytest.mark.nightly
 @pytest.mark.parametrize("failing", [pytest.param(0.0, marks=pytest.mark.nightly), 0.01])
 def test_honest_blocks_fit_their_stored_flights_whatever_their_size(failing: float) -> None:
     """Those of more draws than are all stored of the first ones, too."""

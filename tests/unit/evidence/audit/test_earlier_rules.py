@@ -66,6 +66,7 @@ FORGERIES: dict[str, tuple[Callable[[], Campaign], Any, str, Any]] = {
 """By the check that holds in it: a campaign, and what of the engine its author replaces."""
 
 
+@pytest.mark.by_day(1)
 @every_version
 @pytest.mark.parametrize("check", FORGERIES)
 def test_what_is_cleared_against_the_rules_of_today_follows_in_no_version(
@@ -83,6 +84,7 @@ def test_what_is_cleared_against_the_rules_of_today_follows_in_no_version(
         assert not follows(record, version), version
 
 
+@pytest.mark.nightly
 @every_version
 def test_a_case_without_its_basin_is_fixed_in_no_version(
     versions: Sequence[int | None], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
@@ -134,6 +136,7 @@ def estimation(store: MemoryStore) -> Estimation:
     return stated
 
 
+@pytest.mark.nightly
 @every_version
 def test_that_failed_evaluations_alone_are_no_violations_follows_in_every_version(
     of_failures: Campaign, versions: Sequence[int | None], tmp_path: Path
@@ -147,6 +150,7 @@ def test_that_failed_evaluations_alone_are_no_violations_follows_in_every_versio
         assert follows(record, version), version
 
 
+@pytest.mark.nightly
 @every_version
 def test_an_estimate_from_failed_evaluations_alone_follows_in_no_version(
     of_failures: Campaign, versions: Sequence[int | None], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
@@ -170,6 +174,7 @@ def test_an_estimate_from_failed_evaluations_alone_follows_in_no_version(
         assert not follows(record, version), version
 
 
+@pytest.mark.nightly
 @every_version
 def test_flights_that_fail_after_the_horizon_without_being_counted_clear_in_no_version(
     versions: Sequence[int | None], tmp_path: Path
@@ -190,6 +195,7 @@ UNKNOWN = {"circle": ("reach", None), "separation": ("measured_to", "")}
 """Components of the record, and what their files did not declare."""
 
 
+@pytest.mark.by_day(1)
 @every_version
 @pytest.mark.parametrize("component", UNKNOWN)
 def test_distances_of_which_it_is_not_known_what_they_show_clear_in_no_version(
@@ -208,6 +214,7 @@ def test_distances_of_which_it_is_not_known_what_they_show_clear_in_no_version(
         assert "checks.distances" in wrong, version
 
 
+@pytest.mark.by_day(1)
 @every_version
 @pytest.mark.parametrize("name", ["cleared", "violated"])
 def test_what_the_rules_of_today_accept_follows_in_every_version(

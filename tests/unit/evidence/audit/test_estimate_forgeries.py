@@ -74,6 +74,7 @@ ALARMS = {
 """A threshold and a change with which a run has the alarm: in most of the box a violation is left without a mode."""
 
 
+@pytest.mark.by_day(1)
 @pytest.mark.parametrize("why", ALARMS)
 def test_an_alarm_that_is_removed_is_missed(why: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     threshold, change = ALARMS[why]
@@ -136,6 +137,7 @@ def test_a_run_without_a_violation_states_that_nothing_was_estimated() -> None:
     audited(store, campaign)
 
 
+@pytest.mark.nightly
 def test_the_audit_follows_from_correlated_normals_whose_draws_may_be_beyond_the_bounds() -> None:
     campaign, store = estimating(uncertain=NORMAL, correlations=PAIR), MemoryStore(sample_seed=DRAWN)
     execute(campaign, store, threads=1)

@@ -112,6 +112,7 @@ def files() -> dict[str, bytes]:
     return found
 
 
+@pytest.mark.by_day(1)
 @pytest.mark.parametrize("change", [_exchanged, _removed, _another])
 def test_other_names_are_rejected(change: Callable[[Any], None], tmp_path: Path) -> None:
     folder = Folder(copied(files(), tmp_path))

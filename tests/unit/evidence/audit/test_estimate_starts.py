@@ -80,6 +80,7 @@ def as_before(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(stage, "estimated", lambda *given: estimated(*given[:6]))
 
 
+@pytest.mark.nightly
 def test_the_likely_region_is_a_mode_of_the_estimate_and_no_interval_leaves_it_out(hidden: Campaign) -> None:
     stated, store = ran(hidden)
     audited(store, hidden)
@@ -124,6 +125,7 @@ def test_the_sample_of_the_run_is_looked_at_where_no_violation_of_it_is_examined
     assert f"results.{POSITION}.alarms.count" in {item.name for item in folder.items() if item.agrees is False}
 
 
+@pytest.mark.by_day(1)
 @pytest.mark.parametrize("count", [2, 90, 329, 400])
 def test_an_estimate_from_a_part_of_its_draws_is_rejected(count: int, tmp_path: Path) -> None:
     """Also where the search is not repeated, if the part is smaller than any that is drawn."""

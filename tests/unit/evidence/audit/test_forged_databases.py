@@ -174,6 +174,7 @@ UNCOVERED = {"run_id", "position", "seconds", "started", "finished"}
 NUMBERS = [c.name for c in Stage.__table__.c if c.type.python_type in (int, float) and c.name not in UNCOVERED]
 
 
+@pytest.mark.by_day(3)
 @pytest.mark.parametrize("name", NUMBERS)
 def test_no_number_of_a_stage_is_free(name: str, database: sa.Engine) -> None:
     """A change of it changes the digests, and is rejected by the audit though they were computed again."""
@@ -233,6 +234,7 @@ FURTHER = {
 """Of a kind of which others are changed by day."""
 
 
+@pytest.mark.by_day(10)
 @pytest.mark.parametrize("forgery", nightly_but(FORGERIES.keys() - FURTHER, FORGERIES))
 def test_a_forged_database_is_rejected_or_documented(forgery: str, database: sa.Engine) -> None:
     change, trusted = FORGERIES[forgery]

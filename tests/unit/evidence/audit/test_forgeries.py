@@ -41,6 +41,7 @@ BY_DAY = [forgery for forgery in FORGERIES if forgery.text not in FURTHER]
 assert len(BY_DAY) == len(FORGERIES) - len(FURTHER)
 
 
+@pytest.mark.by_day(35)
 @pytest.mark.parametrize("forgery", nightly_but(BY_DAY, FORGERIES), ids=[f.text for f in FORGERIES])
 def test_a_forgery_is_rejected_or_documented(forgery: Forgery, tmp_path: Path) -> None:
     folder = Folder(written(tmp_path / "out", forgery.run))
@@ -49,6 +50,7 @@ def test_a_forgery_is_rejected_or_documented(forgery: Forgery, tmp_path: Path) -
     assert not forgery.trusted or trusted(forgery.trusted)
 
 
+@pytest.mark.by_day(4)
 @pytest.mark.parametrize("forgery", nightly_but(FORGERIES[::12], FORGERIES), ids=[f.text for f in FORGERIES])
 def test_without_new_digests_every_forgery_is_rejected(forgery: Forgery, tmp_path: Path) -> None:
     folder = Folder(written(tmp_path / "out", forgery.run))
@@ -69,6 +71,7 @@ def test_a_name_stated_twice_is_no_record(tmp_path: Path) -> None:
         of_folder(folder.path)
 
 
+@pytest.mark.nightly
 def test_other_criteria_in_the_table_are_those_of_the_evaluations(tmp_path: Path) -> None:
     document = searching(DIRECT, **SHORT).document() | {"objectives": [{"component": "goal_miss"}]}
     store = MemoryStore()
@@ -85,6 +88,7 @@ def test_other_criteria_in_the_table_are_those_of_the_evaluations(tmp_path: Path
 RECORDS = ("cleared", "violated", "noisy", "excluded", "alone", "counted", "estimated", "attracted")
 
 
+@pytest.mark.nightly
 @pytest.mark.parametrize("name", nightly_but(("violated",), RECORDS))
 def test_bolder_words_in_any_sentence_are_rejected_or_documented(name: str, tmp_path: Path) -> None:
     """The same words in the spans of a sentence and in its text."""
@@ -118,6 +122,7 @@ def slower(folder: Folder) -> None:
     one["rate"]["times"] = 0.0
 
 
+@pytest.mark.by_day(1)
 @pytest.mark.parametrize(
     ("change", "name"), [(lambda _: None, "checks.sampling"), (passes, "checks.sampling"), (slower, "components")]
 )
@@ -133,6 +138,7 @@ def test_a_cleared_run_whose_check_of_sampling_is_removed_or_holds_is_rejected(
 
 
 # By day every fourth; `test_a_corrupted_record_does_not_follow` has one of every kind, without new digests.
+@pytest.mark.by_day(8)
 @pytest.mark.parametrize("corruption", nightly_but(CORRUPTIONS[::4], CORRUPTIONS), ids=[c[0] for c in CORRUPTIONS])
 def test_a_corruption_with_new_digests_is_rejected(
     corruption: tuple[str, str, Callable[[Folder], Any], str], tmp_path: Path
@@ -144,6 +150,7 @@ def test_a_corruption_with_new_digests_is_rejected(
 
 
 # By day every third; `test_a_corrupted_record_of_calls_does_not_follow` has all of them, without new digests.
+@pytest.mark.by_day(2)
 @pytest.mark.parametrize("call", nightly_but(CALLS[::3], CALLS), ids=[c[1] for c in CALLS])
 def test_forged_calls_are_rejected(call: tuple[str, str, Callable[[Folder], Any], str], tmp_path: Path) -> None:
     name, _, change, _ = call
@@ -189,6 +196,7 @@ def test_a_record_of_an_earlier_version_states_no_chance_of_a_lower_case(tmp_pat
     assert accepted(folder)
 
 
+@pytest.mark.by_day(1)
 @pytest.mark.parametrize("stated", [{"start_seconds": 0.1}, {"slots": 2}])
 def test_no_chance_is_accepted_of_evaluations_side_by_side(stated: dict[str, Any], tmp_path: Path) -> None:
     """Records of earlier versions keep theirs."""
@@ -228,6 +236,7 @@ def test_a_chance_by_the_coefficients_of_an_earlier_version_is_accepted(tmp_path
     assert not accepted(folder)
 
 
+@pytest.mark.by_day(3)
 @pytest.mark.parametrize("count", [2, pytest.param(2000, marks=[pytest.mark.nightly, pytest.mark.timeout(3600)])])
 @pytest.mark.parametrize(
     "name", ["cleared", "violated", "inconclusive", "noisy", "excluded", "alone", "counted", "estimated", "attracted"]

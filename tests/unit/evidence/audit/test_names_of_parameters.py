@@ -26,6 +26,7 @@ def renamed(system: object, symbol: str) -> None:
     system.parameters = tuple(dataclasses.replace(p, symbol=symbol) for p in system.parameters)  # type: ignore[attr-defined]
 
 
+@pytest.mark.by_day(9)
 @pytest.mark.parametrize("name", library())
 def test_the_names_of_a_stored_run_are_those_of_the_run(name: str) -> None:
     """Also where all symbols are the same, or none is declared: what one of them lacks counts in neither."""

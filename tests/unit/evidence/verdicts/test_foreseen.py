@@ -38,6 +38,7 @@ BARRED: dict[str, tuple[Any, set[str]]] = {
 }
 
 
+@pytest.mark.by_day(1)
 @pytest.mark.parametrize("name", nightly_but(("a small sample", "one family", "a mean of realisations"), BARRED))
 def test_what_is_foreseen_bars_cleared(name: str) -> None:
     made, expected = BARRED[name]

@@ -34,6 +34,7 @@ def test_the_table_of_controllers_is_what_they_declare() -> None:
     assert rows == []
 
 
+@pytest.mark.nightly
 def test_the_example_in_space_is_that_of_the_files_and_can_be_simulated(monkeypatch: pytest.MonkeyPatch) -> None:
     shown = re.findall(r"^```(?:py|yml)\n(.*?)^```$", GUIDE, re.MULTILINE | re.DOTALL)
     for file in ("components/multirotor.py", "components/multirotor_velocity.py", "campaigns/multirotor.yaml"):

@@ -85,6 +85,7 @@ def test_new_has_every_kind_of_the_catalogue() -> None:
 
 
 # Each compiles for seconds.
+@pytest.mark.nightly
 @pytest.mark.parametrize("kind", nightly_but((Kind.VEHICLE,), Kind))
 def test_the_campaign_of_a_new_component_ends_with_a_verdict(kind: Kind, folder: Path) -> None:
     """By day one kind; `test_what_is_written_to_start_from_can_be_used` in test_examination.py has each."""
@@ -208,6 +209,7 @@ def test_a_folder_that_does_not_exist_and_two_files_of_one_name(
     ]
 
 
+@pytest.mark.by_day(1)
 @pytest.mark.parametrize(
     ("line", "text"),
     [

@@ -70,6 +70,7 @@ def reported(mistake: Mistake, text: str, slip: Slip) -> None:
     assert not re.search(r"numba|nopython|Traceback|0x", mistake.text, re.IGNORECASE)
 
 
+@pytest.mark.by_day(22)
 @pytest.mark.parametrize("slip", [*READ, *DECLARED, *FLOWN], ids=lambda slip: slip.what)
 def test_a_mistake_is_one_sentence_with_its_line(slip: Slip, folder: Path) -> None:
     file, text = written(folder, slip)
@@ -78,6 +79,7 @@ def test_a_mistake_is_one_sentence_with_its_line(slip: Slip, folder: Path) -> No
     reported(raised.value, text, slip)
 
 
+@pytest.mark.by_day(1)
 @pytest.mark.parametrize("slip", COMPILED, ids=lambda slip: slip.what)
 def test_a_mistake_that_only_the_compiler_finds(slip: Slip, folder: Path) -> None:
     file, text = written(folder, slip)
@@ -94,6 +96,7 @@ def test_what_is_written_to_start_from_can_be_used(kind: str, folder: Path) -> N
     assert (result.role, result.name, result.simulated) == (kind, f"my_{kind}", True)
 
 
+@pytest.mark.by_day(1)
 @pytest.mark.parametrize("kind", nightly_but(("avoider", "fault"), KINDS))
 def test_a_component_may_be_of_a_subclass(kind: str, folder: Path) -> None:
     file, whole = folder / f"own_{kind}.py", f"component = {kind.capitalize()}("
@@ -132,6 +135,7 @@ def test_shipped_components_return_what_is_expected(component: Component) -> Non
         assert flown(component, reading.read(file), lambda _: None)
 
 
+@pytest.mark.by_day(1)
 @pytest.mark.parametrize(
     ("without", "noted"),
     rows_nightly_but(
@@ -150,6 +154,7 @@ def test_an_obstacle_that_moves_at_no_declared_rate_is_noted(
     assert (result.text, result.note) == ("", examine.RATE if noted else "")
 
 
+@pytest.mark.by_day(1)
 @pytest.mark.parametrize(
     ("kind", "without", "note"),
     [("obstacle", "reach=", examine.REACH), ("criterion", "measured_to=", examine.MEASURED)],

@@ -276,6 +276,7 @@ def examined(file: Path) -> None:
     flown(component, source, lambda _: None)
 
 
+@pytest.mark.by_day(20)
 @pytest.mark.parametrize("bad", [*IMPURE, *LATER], ids=lambda bad: bad.what)
 def test_it_is_refused_with_its_line(bad: Bad, folder: Path) -> None:
     file = written(folder, bad)
@@ -314,6 +315,7 @@ def test_what_only_the_program_reads_is_permitted(folder: Path) -> None:
     examined(written(folder, Bad("", f"import sys\nsys.path.append('/nowhere')\n{main}", "x = x + 0.0", "", "")))
 
 
+@pytest.mark.by_day(24)
 @pytest.mark.parametrize("component", components().values(), ids=lambda c: f"{c.role}-{c.name}")
 def test_shipped_components_are_pure(component: object) -> None:
     module = source_of(component)  # type: ignore[arg-type]

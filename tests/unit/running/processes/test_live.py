@@ -126,6 +126,7 @@ def test_many_campaigns_in_turn(live: Live) -> None:
     assert margins == pytest.approx([0.943564 - t for t in thresholds], abs=1e-5)
 
 
+@pytest.mark.nightly
 @pytest.mark.skipif(sys.platform != "linux", reason="address space is bounded on Linux alone")
 def test_a_simulation_beyond_its_memory_limit_is_an_error_and_the_next_one_runs(
     monkeypatch: pytest.MonkeyPatch,

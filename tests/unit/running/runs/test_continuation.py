@@ -127,6 +127,7 @@ def test_no_continuation_keeps_the_seed_of_another_sample(changes: dict[str, obj
     assert not same_sample(_sampled(), _sampled(**changes))
 
 
+@pytest.mark.nightly
 def test_an_estimate_begins_again_at_the_violations_of_the_larger_searches() -> None:
     document = searching({"method": "monte_carlo", "evaluations": 60}, **SHORT).document()
     document["stages"] |= {"certify": None, "estimate": {"evaluations": 1000}}
@@ -245,6 +246,7 @@ def data(finished: Path, tmp_path: Path) -> Path:
     return shutil.copytree(finished, tmp_path / "data")
 
 
+@pytest.mark.by_day(1)
 @pytest.mark.parametrize("words", [["run", "--continue", "R-0001", "--budget", "+9"], ["replay", "R-0001"]])
 def test_of_a_purged_run_it_is_said_that_it_was_purged(
     words: list[str], data: Path, capsys: pytest.CaptureFixture[str]
@@ -257,6 +259,7 @@ def test_of_a_purged_run_it_is_said_that_it_was_purged(
     assert "was purged" in capsys.readouterr().err
 
 
+@pytest.mark.nightly
 def test_a_stored_run_is_extended_as_a_new_stored_run(
     data: Path, flown: list[bytes], capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -460,6 +463,7 @@ def test_a_database_that_is_not_there_is_not_made(tmp_path: Path, capsys: pytest
     assert not nowhere.exists()
 
 
+@pytest.mark.nightly
 def test_evaluations_that_are_not_what_the_search_asks_for_are_refused(
     first: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -109,6 +109,7 @@ class Editing(MemoryStore):
         super().append(position, first, columns, ahead)
 
 
+@pytest.mark.by_day(1)
 @pytest.mark.parametrize(
     ("asked", "pause"),
     [pytest.param({}, 1e5, marks=pytest.mark.nightly), ({"retries": 1}, 0.0)],
@@ -138,6 +139,7 @@ def test_a_run_whose_files_changed_stores_nothing_more_and_continues_once_they_a
         assert (one.costs.tolist(), one.status.tolist()) == (other.costs.tolist(), other.status.tolist())
 
 
+@pytest.mark.by_day(1)
 @pytest.mark.parametrize("file", SOME, indirect=True)
 def test_a_run_whose_simulator_cannot_be_opened_since_an_edit_waits_for_its_files(file: Path) -> None:
     """That it has changed is known before it is opened."""
@@ -170,6 +172,7 @@ def test_a_change_before_the_first_evaluation_is_no_fault_of_the_campaign(
     assert not store.stages
 
 
+@pytest.mark.by_day(1)
 @pytest.mark.parametrize("file", SOME, indirect=True)
 def test_files_that_only_look_changed_do_not_matter(file: Path) -> None:
     store = Editing(done=lambda: os.utime(file, ns=(1, 1)))

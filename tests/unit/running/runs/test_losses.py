@@ -116,6 +116,7 @@ def places() -> dict[str, list[tuple[Any, float]]]:
 CHANGES: dict[str, dict[str, Any]] = {"larger": {"methods": LARGER}, "another sample": {"certify": 61}}
 
 
+@pytest.mark.by_day(1)
 @pytest.mark.parametrize(
     ("kind", "ends", "change"),
     rows_nightly_but(
@@ -246,6 +247,7 @@ def polished() -> Ended:
     return found
 
 
+@pytest.mark.nightly
 def test_a_stored_run_with_a_violation_of_validation_alone_is_not_extended(
     polished: Ended, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

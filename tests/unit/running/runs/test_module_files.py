@@ -70,6 +70,7 @@ def loaded_late(program: str) -> tuple[set[str], list[str]]:
     return set(late), others
 
 
+@pytest.mark.nightly
 def test_every_module_of_the_digest_that_is_loaded_late_is_the_recorded_one() -> None:
     late, others = loaded_late(IMPORT)
     assert late >= NEEDED

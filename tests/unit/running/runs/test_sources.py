@@ -310,6 +310,7 @@ def test_an_edit_of_equal_size_in_the_same_second_is_loaded(added: Path) -> None
     assert printed() == "2.0"
 
 
+@pytest.mark.nightly
 def test_the_live_process_ends_before_it_simulates_with_old_code(added: Path) -> None:
     environment = {**os.environ, "PYTHONPATH": os.pathsep.join([str(added.parent), os.getcwd()])}
     command = [sys.executable, "-P", "-m", "worker.running.processes.live"]

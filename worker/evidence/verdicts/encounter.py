@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from campaigns import rules
-from campaigns.claims.say import capital, case, count, listed, number, on_side, say, symbol
+from campaigns.claims.say import capital, case, count, limit, listed, number, on_side, say, symbol
 from campaigns.claims.spans import Span, Spans, Text
 from campaigns.codes import CheckCode
 from campaigns.results.base import Status, ending
@@ -93,20 +93,38 @@ def _closest(problem: Problem, evidence: Evidence) -> Condition | None:
     statement = say("the closest approach of ", listed([*map(case, closest)]), " is inside the horizon")
     if beyond is None:
         return True, statement
-    fail = say("; ", _fail(problem, beyond)) if beyond.cut_short else ()
-    flights = say(count(beyond.flights), " flight" if beyond.flights == 1 else " flights", _not_continued(beyond))
-    statement = say(statement, ", and none of ", flights, " comes ")
-    if terms(problem.system).followed:
-        return True, say(statement, "closer beyond it", say(fail, ", extrapolated from there") if fail else "")
+    come = "comes closer beyond it" if terms(problem.system).followed else "comes lower"
     until = number(beyond.times * problem.campaign.given_scenario.horizon, "s", "until")
-    return True, say(statement, "lower when simulated on to ", until, fail, "; nothing is known beyond that")
+    flights = say(count(beyond.flights), " flight" if beyond.flights == 1 else " flights")
+    statement = say(statement, ", and none of ", flights, f" {come} when simulated on to ", until)
+    if beyond.cut_short:
+        statement = say(statement, ", or until it fails,")
+    if terms(problem.system).followed:
+        statement = say(statement, " and extrapolated from there")
+    if beyond.cut_short:
+        statement = say(statement, "; ", _fail(problem, beyond))
+    if not terms(problem.system).followed:
+        statement = say(statement, "; nothing is known beyond that")
+    return True, say(statement, _not_continued(beyond))
 
 
 def _not_continued(beyond: Beyond) -> Spans:
     """How many evaluations are not simulated on; the nominal case and the findings may be among them, and are."""
     if not beyond.not_continued:
         return ()
-    return say(" (of all but at most ", count(beyond.not_continued, "not_continued"), " evaluations)")
+    return say("; at most ", count(beyond.not_continued, "not_continued"), " further evaluations were not simulated on")
+
+
+def within(problem: Problem, evidence: Evidence) -> Spans:
+    """That a counted sample has flights that are not simulated on, a sentence; else empty."""
+    beyond = evidence.encounter.beyond
+    if not evidence.counted or beyond is None or not beyond.not_continued:
+        return ()
+    horizon = limit(problem.campaign.given_scenario.horizon, "s")
+    flights = count(beyond.flights)
+    return say(
+        " These statistics are of flights of ", horizon, "; ", flights, " flights were simulated on beyond that."
+    )
 
 
 def _fail(problem: Problem, beyond: Beyond) -> Spans:

@@ -59,8 +59,9 @@ def sentence(
         caveat = f" {caveat}" if caveat else ""
         intended = [say(" ", unnamed(s)) for s in (*encounter.stated(problem, checks), *calls.stated(problem, checks))]
         return say(
-            *(quantity, " stayed above ", threshold, " in all ", succeeded, f" evaluations{each}, searched by "),
-            *(_searched(evidence), ".", excluded, " ", worst, _chance(statistics)),
+            *(quantity, " stayed above ", threshold, " in all ", succeeded, f" evaluations{each}", _flights(problem)),
+            *(", searched by ", _searched(evidence), ".", excluded, " ", worst, _chance(statistics)),
+            encounter.within(problem, evidence) if statistics is not None else "",
             *intended,
             f"{caveat} A search can miss a worse case.",
         )
@@ -112,6 +113,12 @@ def _searched(evidence: Evidence) -> Spans:
         of = (search.method, search.title)
         spent[of] = spent.get(of, 0) + search.evaluations
     return listed([say(method(*of), " (", count(many, f"searched.{of[0]}"), ")") for of, many in spent.items()])
+
+
+def _flights(problem: Problem) -> Spans:
+    """How long every evaluation of a closed loop was simulated, a clause; of what comes later a check tells."""
+    scenario = problem.campaign.scenario
+    return () if scenario is None else say(", flights of ", limit(scenario.horizon, "s"))
 
 
 def _chance(statistics: Statistics | None) -> Spans:

@@ -195,16 +195,19 @@ FLAT = Spread(evaluations=3343, lowest=NOMINAL, highest=NOMINAL)
 EXCLUDED = Unseen(cost=None, status="excluded", reason="too close", deviation=None)
 
 
+ON = "when simulated on to 30 s"
+
+
 @pytest.mark.parametrize(
     ("name", "ok", "given", "statement"),
     [
-        ("closest approach", True, none_closer(None), "flights comes closer beyond it"),
-        ("closest approach", True, none_closer(0), "flights comes closer beyond it"),
+        ("closest approach", True, none_closer(None), f"comes closer beyond it {ON} and extrapolated from there"),
+        ("closest approach", True, none_closer(0), f"comes closer beyond it {ON} and extrapolated from there"),
         (
             "closest approach", True, none_closer(1),
-            "closer beyond it; 1 of them fails after it, before 30 s, extrapolated from there",
+            "to 30 s, or until it fails, and extrapolated from there; 1 of them fails after it, before 30 s",
         ),
-        ("closest approach", True, none_closer(301), "301 of them fail after it, before 30 s, extrapolated from there"),
+        ("closest approach", True, none_closer(301), "extrapolated from there; 301 of them fail after it, before 30 s"),
         ("closest approach", False, diverged(unseen(0.38)), "no closest approach is known for nominal"),
         (
             "motion", False, diverged(unseen(0.38)),
@@ -317,7 +320,8 @@ def test_flights_that_come_no_closer_beyond_the_horizon_are_counted() -> None:
     conclusion = concluded(**met(beyond=far))
     assert conclusion.verdict == "cleared"
     holds = (
-        "the closest approach of nominal and F1 is inside the horizon, and none of 302 flights comes closer beyond it"
+        "the closest approach of nominal and F1 is inside the horizon, and none of 302 flights comes closer beyond it "
+        "when simulated on to 30 s and extrapolated from there"
     )
     assert check_of("closest approach", conclusion).text == holds
 

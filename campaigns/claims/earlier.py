@@ -28,7 +28,7 @@ _VERDICT = {
     "threshold": ("stayed above |falls to or below ", ""),
     "worst": (r"worst case found has \S+ = ", ""),
     "margin": (r"worst case found .+ a margin of ", ""),
-    "evaluations": ("", " evaluations, searched"),
+    "evaluations": ("", " evaluations, (?:flights|searched)"),
     "excluded": ("", " more were excluded"),
     "violating": ("", r" stored evaluations? violates? the"),
     "violations": ("", rf" of {_COUNT} flights drawn"),

@@ -32,6 +32,7 @@ influence or avoidance in tests/unit/evidence/verdicts. `out_of_reach` is as `ne
 `mean_of_realisations` as `one_realisation`, `side_switch` as `mild_violation`."""
 
 
+@pytest.mark.by_day(2)
 @pytest.mark.by_day(4)
 @pytest.mark.parametrize("kind", nightly_but(BY_DAY, NAMES))
 def test_one_of_every_class(kind: str) -> None:

@@ -57,6 +57,7 @@ def test_with_a_seed_that_was_chosen_nothing_is_cleared(count: int) -> None:
     assert sum(len(titles) == 1 for titles in barred) >= count / 4, barred  # findings meet half of the boxes
 
 
+@pytest.mark.nightly
 @pytest.mark.parametrize("count", COUNTS)
 def test_methods_that_stop_further_apart_than_the_margin_do_not_agree(count: int) -> None:
     barred = []

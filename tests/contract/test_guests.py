@@ -169,6 +169,7 @@ def test_no_run_begins_with_a_component_that_is_random(tmp_path: Path) -> None:
     assert re.search(r"gave different results: .*obstacle restless", shown), shown
 
 
+@pytest.mark.nightly
 def test_it_needs_no_pytest() -> None:
     code = "import sys; sys.modules['pytest'] = None; import clearance.testing"
     subprocess.run([sys.executable, "-c", code], check=True)

@@ -14,7 +14,7 @@ from tests.e2e.stored import served
 from tests.given.service import Service
 from tests.given.submissions import submit
 
-pytestmark = [pytest.mark.e2e, pytest.mark.timeout(300)]
+pytestmark = [pytest.mark.e2e, pytest.mark.timeout(300), pytest.mark.nightly]  # by day frontend/src/launch/campaign
 DRAWS = False
 CODE = re.compile(r"/assets/.*\.js$")
 MISSING = "This part of the page could not be loaded"

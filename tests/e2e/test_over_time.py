@@ -22,7 +22,11 @@ from tests.given.reported_runs import finish_fully
 from tests.given.service import Service
 from tests.given.small_catalogue import campaign
 
-pytestmark = [pytest.mark.e2e, pytest.mark.timeout(300)]
+pytestmark = [
+    pytest.mark.e2e,
+    pytest.mark.timeout(300),
+    pytest.mark.nightly,
+]  # by day tests/api/trends and sweeps
 DRAWS = False
 
 

@@ -381,6 +381,7 @@ def test_a_backup_of_before_an_update_is_restored_after_it(emptied: str, tmp_pat
     engine.dispose()
 
 
+@pytest.mark.nightly
 def test_tables_of_others_are_not_dropped_by_a_restore(emptied: str, tmp_path: Path) -> None:
     engine, file = connect(emptied), tmp_path / "backup"
     migrate(emptied)
@@ -393,6 +394,7 @@ def test_tables_of_others_are_not_dropped_by_a_restore(emptied: str, tmp_path: P
     engine.dispose()
 
 
+@pytest.mark.nightly
 def test_the_tables_of_every_revision_are_known_as_clearances() -> None:
     engine, names = sa.create_engine("sqlite://", poolclass=sa.StaticPool), set[str]()
     for each in sorted(revision.known()):

@@ -345,6 +345,7 @@ def test_an_evaluation_that_kills_its_node_fails_alone(tmp_path: Path, monkeypat
     assert re.match(died, reasons[11])  # encrypted where `cryptography` is installed
 
 
+@pytest.mark.by_day(1)
 @pytest.mark.parametrize(("files", "why"), [("", "none are configured"), ("/no/such/file", "No such file")])
 def test_tls_without_certificates_is_refused_at_once(tmp_path: Path, files: str, why: str) -> None:
     gate = Gate(tmp_path, 0)

@@ -22,6 +22,8 @@ from tests.faults.processes import CLEARANCE, REPOSITORY, Started, kill, started
 from tests.faults.stored import Stored
 from tests.given.own_files import POST
 
+pytestmark = pytest.mark.nightly  # by day tests/unit/running/runs/test_sources.py
+
 WRONG = POST.replace("d = norm2(dx, dy)", "d = norm2(dx, dy) if dx > 0.0 else (dx, dy)")
 """Which no compiler takes."""
 

@@ -182,6 +182,7 @@ def folder(tmp_path: Path) -> Path:
     return operated
 
 
+@pytest.mark.nightly
 def test_a_file_in_the_operators_folder(
     folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -30,6 +30,8 @@ from worker.engine.systems.simulators.slots.pool import SlotPool
 from worker.engine.systems.simulators.slots.program import Program
 from worker.engine.systems.simulators.slots.slot import GUARD
 
+pytestmark = pytest.mark.nightly  # by day tests/faults/test_worker.py: a worker that is killed
+
 HELPERS = "86397.5"
 """How long the helpers sleep [s]; they are found by it."""
 

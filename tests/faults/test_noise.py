@@ -49,6 +49,7 @@ SINGLE = (
 """By day: noise of every call and of every process, and what is seldom seen; the others are more of these."""
 
 
+@pytest.mark.by_day(1)
 @pytest.mark.by_day(3)
 @pytest.mark.parametrize("how", nightly_but(SINGLE, ADVERSARIES))
 def test_what_does_not_repeat_is_never_cleared_by_single_calls(how: str) -> None:
@@ -250,6 +251,7 @@ ADVISED = ("none", "noise of the process", "now and then a little low", "violate
 """By day: without a cause, every cause, and what shows late."""
 
 
+@pytest.mark.by_day(1)
 @pytest.mark.by_day(2)
 @pytest.mark.parametrize("how", nightly_but(ADVISED, [*ADVERSARIES, *LATER]))
 def test_what_does_not_repeat_has_advice_for_its_cause_and_no_chance_of_a_lower_case(how: str) -> None:

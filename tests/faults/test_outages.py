@@ -247,6 +247,7 @@ def without_override(*command: str) -> list[str]:
     return ["setpriv", "--bounding-set=-dac_override,-dac_read_search", "--inh-caps=-all", *command]
 
 
+@pytest.mark.nightly
 @pytest.mark.parametrize(
     ("command", "what"), [("serve", "file"), pytest.param("worker", "folder", marks=pytest.mark.nightly)]
 )
@@ -303,6 +304,7 @@ def test_a_pause_does_not_last_longer_after_the_clock_was_put_back(
         assert queue.claim("one") is not None
 
 
+@pytest.mark.nightly
 def test_a_damaged_file_uses_up_no_attempt(working: tuple[Bench, Started]) -> None:
     bench, running = working
     until(lambda: bench.ended(bench.submit("none")), "the worker is ready")

@@ -160,6 +160,7 @@ def test_another_version_of_the_package_is_refused_with_a_sentence(
     assert " 0.0: pip install 'clearance[" in reasons[0]
 
 
+@pytest.mark.by_day(1)
 @pytest.mark.parametrize(
     ("package", "program"),
     [("jsbsim", "jsbsim_intruder/jsbsim_flight.py"), ("bluesky", "bluesky_mvp/bluesky_conflict.py")],

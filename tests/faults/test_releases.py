@@ -165,6 +165,7 @@ def test_damaged_descriptions_of_the_same_version_are_not_those_of_a_newer_one(s
     assert outcomes == ["failed", "unusable"]
 
 
+@pytest.mark.by_day(1)
 @pytest.mark.parametrize("name", nightly_but(EDITS.keys() - AT_NIGHT, EDITS))
 def test_a_run_begun_by_one_version_and_continued_by_another(
     service: Service, place: Path, tmp_path: Path, name: str

@@ -47,6 +47,7 @@ def test_variables_are_recorded_at_the_communication_points(tmp_path: Path, fmi:
     assert thrown.data[-1, 2] > found.data[-1, 2]
 
 
+@pytest.mark.nightly
 def test_the_example_shows_the_fall_to_the_ground_and_no_further(tmp_path: Path) -> None:
     """Of which the trace and the 3D view are part; a load that has landed passes no mast below the ground."""
     simulated = simulator(made.example(tmp_path), "separation")

@@ -55,6 +55,7 @@ def px4(tmp_path: Path, log: Path | None, mission: str = "exit 0") -> dict[str, 
     return {"PX4_BUILD": build, "PX4_MISSION": program(tmp_path / "mission", wait)}
 
 
+@pytest.mark.nightly
 def test_px4_is_started_for_the_slot_with_its_parameters(tmp_path: Path) -> None:
     log = ulog(tmp_path / "a.ulg", {"vehicle_local_position_groundtruth": FLIGHT})
     wind = {"wind_n": 2.5, "wind_e": -1.0}
@@ -81,6 +82,7 @@ def test_a_flight_that_was_not_one_has_no_result(tmp_path: Path) -> None:
         assert expected in found
 
 
+@pytest.mark.nightly
 def test_nav2_is_launched_recorded_and_read(tmp_path: Path) -> None:
     bag = mcap(tmp_path / "whole.mcap", {"/odom": (ODOMETRY, "odom", DRIVE)})
     record = f'while [ "$1" != -o ]; do shift; done; mkdir "$2"; cp {bag} "$2"; touch {tmp_path}/up'

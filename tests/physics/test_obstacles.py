@@ -214,6 +214,7 @@ class TestGivesWay:
         assert self.distance(clearance=0.0)[0] < 0.4
         assert self.distance(sharing=0.0)[0] == pytest.approx(2.0, abs=0.25)
 
+    @pytest.mark.nightly
     def test_by_the_rule_it_leaves_the_rest_to_the_other(self) -> None:
         alone, shared = self.distance(sharing=0.0)[0], self.distance(sharing=1.0)[0]
         assert 0.6 < shared < alone - 0.3

@@ -126,6 +126,7 @@ class TestCase2:
     PROBLEM = Problem(CAMPAIGN)
     ANCHORS = pytest.mark.parametrize(("values", "d_min"), [({}, 7.8748), (CORNER, 5.7945)])
 
+    @pytest.mark.by_day(1)
     @ANCHORS
     def test_d_min_is_the_known_value(self, values: dict[str, float], d_min: float) -> None:
         """In plain Python; compiled alone in test_avoiders.py."""

@@ -205,6 +205,7 @@ def test_stopping_leaves_no_connection_open_while_a_use_is_recorded(fresh: Fresh
         assert count["connect"] == count["close"] == 1
 
 
+@pytest.mark.by_day(1)
 @BOTH
 def test_authentication_does_not_wait_for_a_writer(service: Service) -> None:
     token = service.token("ci")

@@ -55,6 +55,7 @@ def test_before_a_worker_has_published_the_library_reports_what_is_missing(bare:
         problem(client.post(CHECK, json={"campaign": campaign()}), 503)
 
 
+@pytest.mark.nightly
 def test_the_shipped_campaigns_fit_the_components_that_workers_publish(bare: Service) -> None:
     bare.publish(published_by_workers())
     with bare.signed_in() as client:

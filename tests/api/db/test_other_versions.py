@@ -224,6 +224,7 @@ def test_a_damaged_catalogue_hides_no_run(text: str, still: Service, guest: http
         problem(guest.post("/api/v1/runs", json={"campaign": DOCUMENT}), 503, "no-catalogue")
 
 
+@pytest.mark.nightly
 @pytest.mark.parametrize("form", nightly_but(("an unknown value",), FORMS))
 def test_a_run_that_a_newer_version_describes_is_no_error_of_the_request(
     form: str,

@@ -155,6 +155,7 @@ def test_every_page_reads_it(engine: sa.Engine, folder: Path) -> None:
     service.stop()
 
 
+@pytest.mark.nightly
 def test_a_run_begun_without_digests_says_so_everywhere(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:

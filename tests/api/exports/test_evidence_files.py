@@ -98,6 +98,7 @@ def messages(data: bytes) -> Messages:
     return found
 
 
+@pytest.mark.nightly
 def test_flights_as_mcap_hold_every_row(guest: httpx.Client, run: str) -> None:
     data = exported(guest, run, "traces.mcap")
     found = messages(data)

@@ -16,6 +16,7 @@ CLOSES = {"failures": "flush", "previews": "stop"}
 WAITED_FOR = ("webhooks", "failures", "hub", "door")
 
 
+@pytest.mark.by_day(2)
 @pytest.mark.parametrize("broken", PARTS)
 def test_each_part_is_closed_also_if_another_fails(broken: str, fresh: Fresh, tmp_path: Path) -> None:
     data = tmp_path / "data"

@@ -37,6 +37,7 @@ EDITS: dict[str, tuple[str, str, list[dict[str, Any]]]] = {
 }
 
 
+@pytest.mark.by_day(1)
 @pytest.mark.parametrize("name", EDITS)
 def test_the_second_of_two_who_read_the_same_is_refused(client: httpx.Client, name: str) -> None:
     path, method, (first, second, third) = EDITS[name]

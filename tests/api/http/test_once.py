@@ -199,6 +199,7 @@ def test_answers_are_forgotten_by_requests_at_the_same_time(
         assert service.rows()["drafts"] == 24
 
 
+@pytest.mark.nightly
 @pytest.mark.by_day(1)
 @BOTH
 def test_of_requests_at_the_same_time_one_is_done(fresh: Fresh, tmp_path_factory: pytest.TempPathFactory) -> None:

@@ -155,6 +155,7 @@ def test_a_newer_campaign_makes_a_sign_off_suspect_and_its_verdict_counts(
     assert "lowered since, R-0002 " in found["sentence"]
 
 
+@pytest.mark.nightly
 def test_a_violation_is_neither_outrun_nor_hidden(service: Service, client: httpx.Client) -> None:
     ran(service, client, "REQ-1", verdict="violated")
     for changes in ({"seed": 2}, {"stages": {"search": [{"method": "direct", "evaluations": 10}]}}):

@@ -155,6 +155,7 @@ def test_the_campaign_fails_excludes_and_samples(ran: Ran) -> None:
     assert certified["excluded"] > 0
 
 
+@pytest.mark.nightly
 def test_the_api_counts_the_same_everywhere(ran: Ran) -> None:
     run, stages = ran.api(), ran.api("/stages")
     (listed,) = ran.client.get("/api/v1/runs").json()["items"]

@@ -139,6 +139,7 @@ def printed(certificate: CertifyResult) -> str:
     return "\n".join(_report._how_found(store))
 
 
+@pytest.mark.by_day(1)
 @pytest.mark.parametrize("drawn", [True, False])
 def test_every_place_states_whether_the_sample_that_drew_a_case_has_a_stated_seed(
     service: Service, client: httpx.Client, drawn: bool

@@ -182,6 +182,7 @@ def test_one_that_began_again_in_the_meantime_stays(service: Service, runs: list
     assert left(engine) == [1, 2, 3, 4, 5, 6, 7, 9]
 
 
+@pytest.mark.nightly
 def test_a_file_gives_its_space_back(
     service: Service, runs: list[int], capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -245,6 +245,7 @@ class TestEveryRoute:
         withdrawn = client.post(f"{base}/{signed.json()['id']}/withdraw", json={"reason": "Another model"})
         assert withdrawn.json()["withdrawn_reason"] == "Another model"
 
+    @pytest.mark.nightly
     def test_a_draft_of_it_is_stored_checked_and_run(self, visit: Visit) -> None:
         client, run, _ = visit
         text = client.get(f"/api/v1/runs/{run}/campaign.yaml").text

@@ -79,6 +79,7 @@ def of(recording: dict[str, Any], kind: str, name: str) -> list[tuple[float, dic
     return [(time, m) for time, m in recording["messages"] if m["type"] == kind and m.get("name") == name]
 
 
+@pytest.mark.nightly
 def test_the_file_plays_the_stored_flights_in_their_own_time(bare: Service) -> None:
     bare.publish()
     with bare.signed_in() as client:

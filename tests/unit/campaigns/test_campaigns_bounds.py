@@ -21,6 +21,7 @@ def problems(asked: Campaign) -> list[tuple[str, str]]:
     return [(problem.field, problem.message) for problem in check(asked, catalogue())]
 
 
+@pytest.mark.by_day(8)
 @pytest.mark.parametrize("name", library())
 def test_the_library_stays_far_below(name: str) -> None:
     asked = load_file(library()[name])

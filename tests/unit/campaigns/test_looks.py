@@ -89,6 +89,7 @@ def setting(known: Catalogue, methods: list[tuple[int, str, str]]) -> Setting:
     )  # fmt: skip
 
 
+@pytest.mark.nightly
 def test_a_method_of_another_package_has_its_own_colour_everywhere(extended: Catalogue) -> None:
     look = Looks(extended).method("guess")
     light, dark = EXTRA["extra-2"]

@@ -87,6 +87,7 @@ libc.malloc_info(0, file), libc.fclose(file)
 """
 
 
+@pytest.mark.nightly
 @pytest.mark.skipif(not hasattr(ctypes.CDLL(None), "malloc_info"), reason="only glibc has arenas")
 @pytest.mark.parametrize("memory", ["shared", pytest.param("as usual", marks=pytest.mark.nightly)])
 def test_the_threads_of_a_service_share_one_arena(memory: str, tmp_path: Path) -> None:

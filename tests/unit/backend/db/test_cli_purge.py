@@ -179,6 +179,7 @@ def test_a_bare_number_deletes_nothing(
     assert left(data) == [1, 2, 3]
 
 
+@pytest.mark.by_day(1)
 @pytest.mark.parametrize("unit", ["B", "kB", "MB", "GB", "TB"])
 def test_the_help_names_every_unit_of_a_size(unit: str, data: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert invoke(["purge", "--help"]) == 0

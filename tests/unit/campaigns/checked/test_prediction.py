@@ -66,6 +66,7 @@ def test_a_sample_that_cannot_meet_its_target_is_refused_by_the_check_as_by_the_
         assert check(asked(deviation, ends_by_target(int(advised[1].replace(",", ""))), target), catalogue()) == []
 
 
+@pytest.mark.by_day(18)
 @pytest.mark.parametrize("samples", [3, 59, 300])
 @pytest.mark.parametrize("deviation", [0.1, 0.33, 1.0])
 @pytest.mark.parametrize("target", [None, 0.001, 0.05, 0.3])

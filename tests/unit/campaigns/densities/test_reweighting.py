@@ -53,6 +53,7 @@ BY_DAY = ("a shift away from them",)
 PAIRS_BY_DAY = ("a shift by 1.5 deviations; the middle, and a tail",)
 
 
+@pytest.mark.nightly
 @pytest.mark.parametrize("name", nightly_but(BY_DAY, SINGLE))
 def test_the_interval_holds_the_exact_probability(name: str) -> None:
     found = coverage(SINGLE[name], range(100))

@@ -326,6 +326,7 @@ def extended(out: Path, *options: str) -> int:
     return invoke(["run", "--continue", str(out), "--budget", "+20", *options])
 
 
+@pytest.mark.nightly
 def test_a_run_of_a_command_is_extended_where_that_is_permitted(
     ended: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -348,6 +349,7 @@ def test_a_run_of_a_command_is_extended_where_that_is_permitted(
     assert invoke(["audit", str(more)]) == 0
 
 
+@pytest.mark.nightly
 def test_a_run_of_a_command_that_is_not_as_it_was_is_not_extended(
     ended: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

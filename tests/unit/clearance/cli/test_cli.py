@@ -112,6 +112,7 @@ def test_a_token_is_shown_once_and_stored_as_its_hash(tmp_path: Path, capsys: py
     engine.dispose()
 
 
+@pytest.mark.by_day(1)
 @pytest.mark.parametrize(("first", "second"), [("ci", "CI"), ("ÉH", "ÉH"), ("ÉH", "éh"), ("Ж", "ж")])
 def test_names_of_tokens_differ_by_more_than_case_in_every_script(
     first: str, second: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]

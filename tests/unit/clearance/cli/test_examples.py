@@ -82,6 +82,7 @@ def test_the_extras_are_the_versions_for_which_the_examples_are_written() -> Non
             assert f'"{version}"' in text, requirement
 
 
+@pytest.mark.by_day(1)
 @pytest.mark.parametrize("name", CAMPAIGNS)
 def test_the_guide_has_one_command_for_each_and_its_campaign_is_usable(empty: Path, name: str) -> None:
     """To the verdict: below, and tests/faults/test_real_simulators.py, by night."""

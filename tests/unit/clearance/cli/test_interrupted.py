@@ -55,6 +55,7 @@ def test_an_interrupt_that_is_ignored_stays_so(name: str) -> None:
     assert "127.0.0.1:9 did not respond" in process.stderr
 
 
+@pytest.mark.nightly
 def test_the_library_installs_no_handler() -> None:
     """Only the module that starts the command does."""
     before = signal.getsignal(signal.SIGINT)

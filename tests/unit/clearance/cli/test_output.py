@@ -31,6 +31,7 @@ def test_output_that_is_closed_changes_no_exit_code() -> None:
     assert (ended.returncode, ended.stderr) == (0, "")
 
 
+@pytest.mark.nightly
 def test_output_that_cannot_be_written_is_stated() -> None:
     with Path("/dev/full").open("w") as full:
         ended = subprocess.run([*COMMAND, "explain", "--help"], stdout=full, stderr=subprocess.PIPE, text=True)

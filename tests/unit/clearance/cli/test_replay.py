@@ -224,6 +224,7 @@ def forge(folder: Folder, row: int) -> str:
     return f"{SEARCH}:{row}"
 
 
+@pytest.mark.nightly
 def test_an_audit_that_replays_finds_a_forged_cost(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     folder = Folder(written(tmp_path / "out", "cleared"))
     path, count = str(folder.path), sum(len(a) for name, a in folder.arrays.items() if name.startswith("status_"))

@@ -62,6 +62,7 @@ def begun(hangup: str, body: str) -> list[str]:
     return [sys.executable, "-c", BEGIN.format(hangup) + body, str(_witness.__file__)]
 
 
+@pytest.mark.by_day(5)
 @pytest.mark.parametrize(("body", "code"), ENDINGS.items())
 def test_only_a_reported_code_is_that_of_the_command(body: str, code: int) -> None:
     ended = subprocess.run(begun("DFL", body), capture_output=True, text=True, check=False)

@@ -255,6 +255,7 @@ DAMAGES: dict[str, Callable[[bytes], bytes]] = {
 }
 
 
+@pytest.mark.by_day(3)
 @pytest.mark.parametrize(
     ("kind", "damage"),
     rows_nightly_but(

@@ -38,6 +38,7 @@ def test_nothing_is_started(
     assert not (tmp_path / "data").exists()
 
 
+@pytest.mark.nightly
 def test_a_campaign_is_refused_and_nothing_is_an_internal_error(tmp_path: Path) -> None:
     """Also by the file that numba reads in the working folder."""
     (tmp_path / ".numba_config.yaml").write_text("disable_jit: 1\n")

@@ -290,6 +290,7 @@ def test_a_cost_of_few_digits_is_descended_with_larger_differences() -> None:
     assert min(float(values.min()) for _, _, values in found) < 1e-3
 
 
+@pytest.mark.nightly
 def test_a_first_descent_that_fails_often_ends_earlier() -> None:
     def half(x: Floats) -> Floats:
         return np.where(x[:, 0] < 0.6, np.nan, bowl(x))
@@ -297,6 +298,7 @@ def test_a_first_descent_that_fails_often_ends_earlier() -> None:
     assert AMID_FAILURES * 6 <= counted(requested(half, 6, 2 * AMID_FAILURES * 6))["sqp"] < 1.2 * AMID_FAILURES * 6
 
 
+@pytest.mark.nightly
 def test_what_is_never_evaluated_is_searched_on() -> None:
     """More than half of the box fails, the centre included; the lowest value is at the edge of that."""
 

@@ -142,6 +142,7 @@ def two(x: Floats) -> Floats:
     return np.minimum(1 + wide, 12 * deep)
 
 
+@pytest.mark.nightly
 def test_a_search_that_begins_in_the_wrong_valley_leaves_it_for_others() -> None:
     found = [run(method, two, 3, 200, seed=seed) for seed in (1, 4, 8)]  # of ten, 2 and 9 miss the right one
     assert all(f.minima[0].cost > 0.5 for f in found), "they begin in the wrong valley"

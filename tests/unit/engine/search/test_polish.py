@@ -48,6 +48,7 @@ def after_polish(function: Function, starts: list[list[float]], room: int = 0) -
     return found, made
 
 
+@pytest.mark.nightly
 def test_a_minimum_among_dips_is_polished_by_a_strategy() -> None:
     reached = {0: 0, 20_000: 0}
     for start in 0.3 + np.random.default_rng(3).uniform(-0.03, 0.03, (72, 2)):

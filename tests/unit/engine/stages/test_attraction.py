@@ -31,6 +31,7 @@ def made(asked: Campaign) -> AttractionResult:
     return attraction.run(of(asked), 0).result
 
 
+@pytest.mark.nightly
 def test_it_states_what_is_proved_and_gives_the_same_again(monkeypatch: pytest.MonkeyPatch) -> None:
     """It shows in every round that it moves: it may take minutes, after which a worker would replace the process."""
     result = made(attracting())

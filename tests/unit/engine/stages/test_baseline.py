@@ -249,6 +249,7 @@ def stored(engine: sa.Engine, launched: Campaign, request: str, **labels: str) -
     return run_id
 
 
+@pytest.mark.nightly
 def test_a_stored_run_is_compared_audited_and_extended(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     engine = connect(migrated(tmp_path))
     policy = {"fail_on": ["worse"], "tolerance": 0.001}

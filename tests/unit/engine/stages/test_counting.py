@@ -45,6 +45,7 @@ def expected(samples: int = SAMPLES) -> Floats:
     return costs(uniform(1, STREAM, 0, samples, 2))
 
 
+@pytest.mark.nightly
 def test_it_claims_what_all_flights_claim() -> None:
     _, found = ran()
     values = np.sort(expected())
@@ -123,6 +124,7 @@ def test_the_stored_flights_are_the_lowest_and_the_first_and_can_be_made_again()
     assert columns.points.tolist() == uniform(1, STREAM, 0, SAMPLES, 2)[found.flights].tolist()
 
 
+@pytest.mark.nightly
 def test_what_fails_is_a_violation_and_is_kept_with_its_reason() -> None:
     def flown(points: Floats) -> tuple[Batch, dict[int, str]]:
         batch, _ = evaluate(failing=lambda x: x[:, 0] > 0.999)(points)
@@ -142,6 +144,7 @@ def test_what_fails_is_a_violation_and_is_kept_with_its_reason() -> None:
     assert sorted(columns.reasons) == np.flatnonzero(columns.status == FAILED).tolist()
 
 
+@pytest.mark.nightly
 def test_excluded_draws_are_drawn_again_until_the_sample_is_whole() -> None:
     _, found = ran(5000, evaluate(excluded=lambda x: x[:, 0] < 0.3))
     assert found.sample.samples == 5000
@@ -185,6 +188,7 @@ def test_a_sample_ends_with_the_block_that_has_more_violations_than_its_target_a
     assert told_in(found.statement).items() >= told.items()
 
 
+@pytest.mark.nightly
 def test_a_sample_that_meets_its_target_is_whole() -> None:
     _, found = ending(0.0005)
     violations = int(np.sum(uniform(1, STREAM, 0, 30_000, 2)[:, 0] < 0.0005))

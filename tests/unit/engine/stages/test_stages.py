@@ -146,6 +146,7 @@ def test_the_sample_of_a_random_search() -> None:
     assert "P(violation) is at most 0.994 % with 95 % confidence" in drawn.text
 
 
+@pytest.mark.nightly
 def test_excluded_flights_are_no_samples_and_violations_are_counted() -> None:
     uncertain = {"start.x": {"low": 3.0, "high": 5.0}, "start.y": {"low": 3.0, "high": 5.0}}
     changes = {"scenario__start": {"x": 3.0, "y": 3.0}, "scenario__horizon": 1.0, "criterion__threshold": 0.6}

@@ -68,6 +68,7 @@ def passed(time: float, aside: float) -> tuple[float, ...]:
     return x, y, z - aside
 
 
+@pytest.mark.nightly
 @pytest.mark.by_day(1)
 @pytest.mark.parametrize(
     ("time", "criterion"),
@@ -90,6 +91,7 @@ def test_what_a_flight_meets_before_it_fails_counts(time: float, criterion: str)
     assert np.linalg.norm(np.array([x, y, z]) - passed(time, 3.0)) == pytest.approx(3.0, abs=0.5)
 
 
+@pytest.mark.nightly
 def test_a_flight_that_meets_nothing_before_it_fails_comes_no_closer() -> None:
     shown = found(problem(AWAY))
     assert (shown.closer, shown.cut_short) == (0, 1)

@@ -132,6 +132,7 @@ def test_circles_and_depth_end() -> None:
     assert identified(made(deep)).unknown != ""
 
 
+@pytest.mark.nightly
 def test_it_is_the_same_in_every_process() -> None:
     program = (
         "from tests.unit.engine.systems.test_function_identity import VARIED, identified, made\n"

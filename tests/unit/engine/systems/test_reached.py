@@ -142,6 +142,7 @@ def test_a_circle_of_imports_ends(place: dict[str, str]) -> None:
     assert {"helper", "outer"} <= reached_from(place).files.keys()
 
 
+@pytest.mark.nightly
 def test_installed_packages_count_by_name_and_version(
     place: dict[str, str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -121,6 +121,7 @@ def test_an_honest_sample_in_which_most_violate_is_accepted() -> None:
     assert counting(3000, "target", target_probability=0.05).shared is False
 
 
+@pytest.mark.nightly
 def test_a_bound_names_whose_seed_its_sample_has_and_follows() -> None:
     """Stated at the launch, or of the campaign where the sample is that of a random search."""
     campaign, store = RUNS["counted"](), MemoryStore(sample_seed=SampleSeed(1))

@@ -100,6 +100,7 @@ def test_an_alarm_that_is_removed_is_missed(why: str, tmp_path: Path, monkeypatc
     assert f"results.{ESTIMATE}.low" in wrong
 
 
+@pytest.mark.nightly
 def test_evaluations_that_the_search_does_not_request_are_rejected_unless_another_engine_made_them(
     tmp_path: Path,
 ) -> None:

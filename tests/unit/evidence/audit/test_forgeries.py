@@ -102,6 +102,7 @@ def test_bolder_words_in_any_sentence_are_rejected_or_documented(name: str, tmp_
         assert trusted(at) or not accepted(folder), at
 
 
+@pytest.mark.by_day(5)
 @pytest.mark.parametrize("name", ["checks", "findings", "results", "stages"])
 @pytest.mark.parametrize("value", [None, [], 7, [{}]])
 def test_a_record_of_another_form_is_refused(name: str, value: Any, tmp_path: Path) -> None:

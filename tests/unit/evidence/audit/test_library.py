@@ -10,6 +10,8 @@ from tests.audited import audited
 from worker.running.runs.runner import execute
 from worker.running.runs.store import MemoryStore
 
+pytestmark = pytest.mark.nightly
+
 DAILY = "pioneer_moving"
 """Its loop chatters, so that the reference integrator has a value and a reason."""
 

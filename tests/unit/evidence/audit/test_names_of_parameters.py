@@ -40,6 +40,7 @@ def test_the_names_of_a_stored_run_are_those_of_the_run(name: str) -> None:
         assert Stored(campaign, system).symbols == Stored(campaign, run.system).symbols
 
 
+@pytest.mark.nightly
 def test_a_run_whose_parameter_has_the_symbol_of_the_threshold_follows_from_what_it_stored() -> None:
     """The radius of an obstacle, r, and the threshold of `separation`, r, as well."""
     campaign = searching(DIRECT)

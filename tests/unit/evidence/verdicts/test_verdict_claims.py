@@ -207,7 +207,7 @@ ON = "when simulated on to 30 s"
             "closest approach", True, none_closer(1),
             "to 30 s, or until it fails, and extrapolated from there; 1 of them fails after it, before 30 s",
         ),
-        ("closest approach", True, none_closer(301), "extrapolated from there; 301 of them fail after it, before 30 s"),
+        ("closest approach", True, none_closer(301), "from there; 301 of them fail after it, before 30 s"),
         ("closest approach", False, diverged(unseen(0.38)), "no closest approach is known for nominal"),
         (
             "motion", False, diverged(unseen(0.38)),

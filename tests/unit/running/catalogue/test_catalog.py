@@ -113,6 +113,7 @@ def known(tmp_path_factory: pytest.TempPathFactory) -> Known:
     return Known(*every, described)
 
 
+@pytest.mark.nightly
 def test_a_component_and_a_method_of_another_package_are_found_and_none_is_lost(known: Known) -> None:
     car = "('vehicle', 'car')"
     assert car in known.components

@@ -209,6 +209,7 @@ def test_a_folder_that_does_not_exist_and_two_files_of_one_name(
     ]
 
 
+@pytest.mark.nightly
 @pytest.mark.by_day(1)
 @pytest.mark.parametrize(
     ("line", "text"),

@@ -143,6 +143,7 @@ def test_an_estimate_begins_again_at_the_violations_of_the_larger_searches() -> 
     assert at not in carried(campaign, larger, before)
 
 
+@pytest.mark.nightly
 def test_a_folder_is_extended_without_repeating_an_evaluation(
     first: Path, tmp_path: Path, flown: list[bytes], capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -437,6 +438,7 @@ def test_only_a_run_that_has_ended_can_be_extended(data: Path, capsys: pytest.Ca
         assert why in capsys.readouterr().err
 
 
+@pytest.mark.nightly
 def test_any_worker_resumes_it_when_this_process_is_gone(data: Path) -> None:
     engine = connect(default_url(data))
     with read(engine) as connection:

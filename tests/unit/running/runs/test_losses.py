@@ -162,6 +162,7 @@ def test_a_search_that_is_resumed_as_it_was_has_what_validation_found(
     assert again.verdict == first.verdict == "violated"
 
 
+@pytest.mark.nightly
 def test_a_search_that_is_resumed_states_what_it_extends(tmp_path: Path) -> None:
     first = searched(smooth)
     digest = first.origin.campaign.digest
@@ -334,6 +335,7 @@ def test_so_does_one_whose_violation_waited_for_an_earlier_evaluation(polished: 
             assert execute(polished.campaign, store).verdict == "violated"
 
 
+@pytest.mark.nightly
 def test_without_a_violation_it_begins_with_what_is_valid(polished: Ended) -> None:
     document = polished.campaign.document()
     document["criterion"] |= {"threshold": 0.1}
@@ -374,6 +376,7 @@ FINE, VIOLATES, FAILS = columns(OK), columns(OK, cost=1.0), columns(OK, FAILED)
 FLAKES = columns(OK, reasons={0: f"{FLAKY}it diverged"})
 
 
+@pytest.mark.by_day(4)
 @pytest.mark.parametrize(
     ("replayed", "other", "refuses"),
     [

@@ -287,6 +287,7 @@ def test_a_process_is_stale_once_a_file_changed_or_came(added: Path, monkeypatch
     assert sources.stale()
 
 
+@pytest.mark.nightly
 def test_an_edit_of_equal_size_in_the_same_second_is_loaded(added: Path) -> None:
     """Bytecode would be taken for current: it is dropped before anything is loaded."""
     post = added / "post.py"

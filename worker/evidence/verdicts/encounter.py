@@ -121,7 +121,7 @@ def within(problem: Problem, evidence: Evidence) -> Spans:
     if not evidence.counted or beyond is None or not beyond.not_continued:
         return ()
     horizon = limit(problem.campaign.given_scenario.horizon, "s")
-    flights = count(beyond.flights)
+    flights = count(beyond.flights, "continued")
     return say(
         " These statistics are of flights of ", horizon, "; ", flights, " flights were simulated on beyond that."
     )

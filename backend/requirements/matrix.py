@@ -86,7 +86,7 @@ def rows(reader: sa.Connection, ids: Sequence[str], most: int) -> list[Requireme
     shown = {key: _shown(standing(found, others), found, most) for key, found in edges.items()}
     known = _known(reader, {n for found in shown.values() for n in found}, now)
     worded = texts(reader, known, ids)
-    ignored, similar = against.ignored(reader, ids), against.similar(reader, ids, _ids(""))
+    ignored, similar = against.ignored(reader, ids, edges), against.similar(reader, ids, _ids(""))
     made = []
     for key in ids:
         row, text = registered.get(key), worded.now.get(key, "")

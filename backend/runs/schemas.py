@@ -302,7 +302,7 @@ class ChangedFile(Schema):
 
 
 class CodeChanges(Schema):
-    """The difference between the code that ran a run and that of another one."""
+    """The difference between the code that ran a run and that of another one, of what both use."""
 
     code: str | None
     """Digest of the run's identity; None if something of it is not identified."""

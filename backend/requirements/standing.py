@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from typing import Literal, get_args
 
 from campaigns.identity.identity import Identity, may_equal
+from campaigns.results.regression import PolicyWord
 from campaigns.results.verdict import VerdictWord
 from campaigns.runs import run_name
 
@@ -38,7 +39,8 @@ class Edge:
     signed: whether a valid sign-off covers its results; repeats: the signed run that it repeats, if it was not signed
     itself; own: whether only users who launched the signed run have signed; not_carried: why
     no earlier sign-off counts for it; changes: what has changed since it ran, as
-    clauses; threshold and worst: of its criterion, and the lowest value of any evaluation [unit of the criterion]."""
+    clauses; threshold and worst: of its criterion, and the lowest value of any evaluation [unit of the criterion];
+    policy: what that of its campaign says of the changes since its baseline."""
 
     run_id: int
     campaign: str
@@ -53,6 +55,7 @@ class Edge:
     changes: tuple[str, ...] = ()
     threshold: float | None = None
     worst: float | None = None
+    policy: PolicyWord | None = None
 
 
 @dataclass(frozen=True)
@@ -74,9 +77,11 @@ def standing(edges: Sequence[Edge], others: Sequence[Edge] = (), sweeps: int = 0
     if not edges:
         variants = f": the {sweeps} that do are variants of sweeps, which are no evidence" if sweeps else ""
         return Standing("no evidence", f"No run that counts refers to this requirement{variants}.")
+    names = dict.fromkeys(e.campaign for e in edges)
+    newest = [newest_of([e for e in edges if e.campaign == name]) for name in names]
     found = [
         _of_campaign(name, [e for e in edges if e.campaign == name], [e for e in others if e.campaign == name])
-        for name in dict.fromkeys(e.campaign for e in edges)
+        for name in names
     ]
     worst = min((one.status for one in found), key=ORDER.index)
     sentences = [one.sentence for one in found if one.status == worst]
@@ -84,10 +89,18 @@ def standing(edges: Sequence[Edge], others: Sequence[Edge] = (), sweeps: int = 0
     rest = f" The evidence of {better} other campaign{'s' if better > 1 else ''} is no worse."
     return Standing(
         worst,
-        " ".join(sentences) + (rest if better else ""),
+        " ".join(sentences) + (rest if better else "") + _policy(newest),
         frozenset().union(*(one.evidence for one in found)),
         frozenset().union(*(one.violations for one in found)),
     )
+
+
+def _policy(newest: Sequence[Edge]) -> str:
+    """The evidence of which the policy fails: the verdict alone decides the status, and a reader must see both."""
+    failing = [e for e in newest if e.policy == "fails"]
+    if not failing:
+        return ""
+    return f" By the policy of the campaign on changes since its baseline, {_listed(failing)} fails; it is no verdict."
 
 
 def newest_of(edges: Sequence[Edge]) -> Edge:

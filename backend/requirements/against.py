@@ -149,7 +149,7 @@ def _spoke(removed: Sequence[Edge], stating: Sequence[Edge], edges: Sequence[Edg
     spoke: dict[How, list[int]] = {}
     for edge in removed:
         ways = {_way(edge, one, edge.run_id in own) for one in _like(edge, counting) or _like(edge, gone) or [edge]}
-        if known := [way for way in _REMOVED if way in ways]:
+        if known := [way for way in REMOVED if way in ways]:
             spoke.setdefault(known[0], []).append(edge.run_id)
     return spoke
 
@@ -195,7 +195,7 @@ def _named(runs: Sequence[int]) -> str:
     return ", ".join(map(run_name, runs[:MOST_NAMED])) + (f" and {rest} more" if rest > 0 else "")
 
 
-_REMOVED: dict[How, str] = {
+REMOVED: dict[How, str] = {
     "violated": "of those that asked the same, {} violated it",
     "found": "of those that asked the same, {} found a value at or below the newest threshold",
     **EARLIER,
@@ -209,7 +209,7 @@ _REMOVED: dict[How, str] = {
 def notes(ignored: Ignored, similar: Sequence[str]) -> Iterator[str]:
     """Further notes for a reader of the status: exports have them as well."""
     spoke = ignored.spoke
-    if clauses := [text.format(_named(spoke[way])) for way, text in _REMOVED.items() if way in spoke]:
+    if clauses := [text.format(_named(spoke[way])) for way, text in REMOVED.items() if way in spoke]:
         yield f"Removed runs do not count; {'; '.join(clauses)}."
     if similar:
         others = ", ".join(map(repr, similar[:MOST_NAMED]))

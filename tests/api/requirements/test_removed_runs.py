@@ -11,7 +11,8 @@ import sqlalchemy as sa
 
 from backend.db import purge
 from backend.db.tables import Run
-from tests.api.requirements.test_requirements import AT, ran, row, sign
+from backend.requirements.against import REMOVED
+from tests.given.requirement_rows import AT, ran, row, sign
 from tests.given.row_changes import changed
 from tests.given.service import Service
 
@@ -73,7 +74,7 @@ def test_a_removed_newer_run_met_a_higher_threshold_that_was_not_lowered_since(
     with service.engine.begin() as writer:
         writer.execute(sa.update(Run).where(Run.id == 2).values(threshold=3.5, worst_cost=2.6))
     for sentence in removed_and_purged(service, client, "R-0002"):
-        assert "do not count; at a higher threshold, R-0002 violated it." in sentence
+        assert f"; {REMOVED['higher'].format('R-0002')}." in sentence
 
 
 def test_removed_runs_are_compared_with_the_newest_of_them_where_none_counts(
@@ -87,4 +88,4 @@ def test_removed_runs_are_compared_with_the_newest_of_them_where_none_counts(
         assert (found["status"], found["removed"]) == ("no evidence", 2)
         assert LOWERED in found["sentence"]
     with changed(service.engine, sa.update(Run).values(removed=1.0)):
-        assert "of those that asked the same, R-0001 violated it" in row(client, "REQ-1")["sentence"]
+        assert REMOVED["violated"].format("R-0001") in row(client, "REQ-1")["sentence"]

@@ -16,9 +16,8 @@ from backend.webhooks.body import ended
 from campaigns.results.regression import Regression, policy_word
 from clearance.cli._following import ended_as
 from clearance.client.answers import Run as Answer
-from tests.api.requirements.test_requirements import AT, ran, row, sign
-from tests.api.trends.test_trends import NAME, trend
 from tests.given.databases import BOTH
+from tests.given.requirement_rows import AT, ran, row, sign
 from tests.given.service import Service
 
 SENTENCE, LEAF = "By the policy of the campaign on changes since its baseline, R-0001 fails", "since the baseline fails"
@@ -51,7 +50,7 @@ def stated(service: Service, client: httpx.Client) -> dict[str, Any]:
     return {
         "list": listed["policy"],
         "run": client.get("/api/v1/runs/R-0001").json()["policy"],
-        "trend": trend(client, name=NAME)["runs"][0]["policy"],
+        "trend": client.get("/api/v1/trends", params={"name": listed["campaign_name"]}).json()["runs"][0]["policy"],
         "requirement": row(client, "REQ-1")["runs"][0]["policy"],
         "matrix": line["policy"] or None,
         "webhook": message["policy"],

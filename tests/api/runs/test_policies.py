@@ -87,4 +87,5 @@ def test_the_verdict_alone_decides_whether_a_requirement_is_met(service: Service
 
 def test_words() -> None:
     for verdict, since, word in SINCE:
-        assert policy_word(*((since or {}).get(key) for key in ("ok", "accepted")), verdict) == word
+        known = since or {}
+        assert policy_word(known.get("ok"), known.get("accepted"), verdict) == word

@@ -9,9 +9,10 @@ from __future__ import annotations
 import math
 import unicodedata
 from collections import defaultdict
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Collection, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from functools import lru_cache
+from itertools import chain
 from typing import Any
 
 import sqlalchemy as sa
@@ -22,7 +23,7 @@ from backend.db.purge import violates
 from backend.db.rows import made_again_before, own_question
 from backend.db.sweeps import in_sweep
 from backend.db.tables import CampaignRow, Run, RunRequirement, Stage
-from backend.requirements.standing import Edge
+from backend.requirements.standing import EARLIER, Edge, How, how, newest_of
 from backend.runs import identity
 from campaigns.alike import plain
 from campaigns.identity.identity import UNSTORED
@@ -47,21 +48,30 @@ def against(reader: sa.Connection, edges: Mapping[str, Sequence[Edge]]) -> list[
     for edge in (e for found in edges.values() for e in found):
         threshold = -math.inf if edge.threshold is None else edge.threshold
         highest[edge.campaign] = max(highest.get(edge.campaign, -math.inf), threshold)
+    found = []
+    for some in chunks(highest):
+        for row, value in _valued(reader, CampaignRow.name.in_(some), Run.removed.is_(None), Run.purged.is_(None)):
+            if judged(row.state, row.verdict) == VerdictWord.VIOLATED or value <= highest[row.name]:
+                found.append((row, value))
+    return _as_edges(reader, found)
+
+
+def _valued(reader: sa.Connection, *conditions: sa.ColumnElement[bool]) -> list[tuple[Any, float]]:
+    """Runs with the lowest value of any of their evaluations; infinite without one."""
     lowest = sa.select(sa.func.min(Stage.best)).where(Stage.run_id == Run.id, own_question())
     worst = lowest.scalar_subquery().label("worst")
     columns = (Run.id, Run.state, Run.verdict, Run.threshold, Run.worst_cost, Run.made_again, Run.question)
-    rows: list[Any] = []
-    for some in chunks(highest):
-        of = sa.select(*columns, CampaignRow.name, worst).join(CampaignRow, CampaignRow.digest == Run.campaign_digest)
-        of = of.where(CampaignRow.name.in_(some), Run.removed.is_(None), Run.purged.is_(None))
-        rows += reader.execute(of)
-    found, before = [], made_again_before(reader, [row.id for row in rows if row.made_again is None])
+    of = sa.select(*columns, CampaignRow.name, worst).join(CampaignRow, CampaignRow.digest == Run.campaign_digest)
+    rows: Sequence[Any] = reader.execute(of.where(*conditions)).all()
+    before, found = made_again_before(reader, [row.id for row in rows if row.made_again is None]), []
     for row in rows:
         again = before.get(row.id, row.made_again)
         values = [value for value in (row.worst_cost, again, row.worst) if value is not None]
-        value = min(values, default=math.inf)
-        if judged(row.state, row.verdict) == VerdictWord.VIOLATED or value <= highest[row.name]:
-            found.append((row, value))
+        found.append((row, min(values, default=math.inf)))
+    return found
+
+
+def _as_edges(reader: sa.Connection, found: Sequence[tuple[Any, float]]) -> list[Edge]:
     known = identity.of_runs(reader, [row.id for row, _ in found])
     return [
         Edge(
@@ -81,32 +91,88 @@ def against(reader: sa.Connection, edges: Mapping[str, Sequence[Edge]]) -> list[
 class Ignored:
     removed: int = 0
     sweeps: int = 0
-    violated: tuple[int, ...] = ()
-    """The removed ones that violated it, also those that asked the same without stating it."""
-    found: tuple[int, ...] = ()
-    """Those that found a value at or below a threshold of that question, without a verdict that confirms it."""
+    spoke: Mapping[How, Sequence[int]] = field(default_factory=dict)
+    """The removed runs that speak against it, also those that asked the same without stating it."""
 
 
-def ignored(reader: sa.Connection, ids: Sequence[str]) -> dict[str, Ignored]:
+def ignored(reader: sa.Connection, ids: Sequence[str], edges: Mapping[str, Sequence[Edge]]) -> Mapping[str, Ignored]:
+    """What does not count for each requirement. edges: the runs that do."""
     gone = sa.or_(Run.removed.is_not(None), Run.purged.is_not(None))
-    columns = (RunRequirement.requirement, Run.id, gone.label("gone"))
+    swept = in_sweep()
+    columns = (RunRequirement.requirement, Run.id, gone.label("gone"), swept.label("swept"))
     of = sa.select(*columns).join(Run, Run.id == RunRequirement.run_id)
-    of = of.where(RunRequirement.requirement.in_(ids), sa.or_(gone, in_sweep())).order_by(Run.id)
+    of = of.where(RunRequirement.requirement.in_(ids), sa.or_(gone, swept)).order_by(Run.id)
     found: dict[str, Ignored] = defaultdict(Ignored)
+    stating: dict[str, set[int]] = defaultdict(set)
     for row in reader.execute(of):
         now = found[row.requirement]
         found[row.requirement] = replace(now, removed=now.removed + row.gone, sweeps=now.sweeps + (not row.gone))
-    asking = orm.aliased(Run)
-    asks = sa.select(RunRequirement.requirement, Run.id, Run.state, Run.verdict).distinct()
-    asks = asks.join(asking, asking.id == RunRequirement.run_id)
-    asks = asks.join(Run, Run.question == asking.question).where(gone, violates())
-    for key, run_id, state, word in reader.execute(asks.where(RunRequirement.requirement.in_(ids)).order_by(Run.id)):
-        now = found[key]
-        if judged(state, word) == VerdictWord.VIOLATED:
-            found[key] = replace(now, violated=(*now.violated, run_id))
-        else:
-            found[key] = replace(now, found=(*now.found, run_id))
+        if row.gone and not row.swept:
+            stating[row.requirement].add(row.id)
+    speaking = _speaking(reader, ids, gone)
+    removed = _removed(reader, {*chain(*speaking.values(), *(stating[key] for key in speaking))})
+    for key, runs in speaking.items():
+        own = [removed[run_id] for run_id in stating[key]]
+        spoke = _spoke([removed[run_id] for run_id in sorted(runs)], own, edges.get(key, ()))
+        found[key] = replace(found[key], spoke=spoke)
     return found
+
+
+def _speaking(reader: sa.Connection, ids: Sequence[str], gone: sa.ColumnElement[bool]) -> dict[str, set[int]]:
+    """The removed runs by requirement that found a violation, and state it or ask what a run that states it asks."""
+    asking = orm.aliased(Run)
+    asks = sa.select(RunRequirement.requirement, Run.id).join(asking, asking.id == RunRequirement.run_id)
+    asks = asks.join(Run, Run.question == asking.question)
+    states = sa.select(RunRequirement.requirement, Run.id).join(Run, Run.id == RunRequirement.run_id)
+    found: dict[str, set[int]] = defaultdict(set)
+    for of in (asks.distinct(), states):  # what has no stored question equals no other one
+        for key, run_id in reader.execute(of.where(gone, violates(), RunRequirement.requirement.in_(ids))):
+            found[key].add(run_id)
+    return found
+
+
+def _removed(reader: sa.Connection, runs: Collection[int]) -> dict[int, Edge]:
+    found: list[Edge] = []
+    for some in chunks(runs):
+        found += _as_edges(reader, _valued(reader, Run.id.in_(some)))
+    return {edge.run_id: edge for edge in found}
+
+
+def _spoke(removed: Sequence[Edge], stating: Sequence[Edge], edges: Sequence[Edge]) -> dict[How, list[int]]:
+    """How removed runs speak against the evidence of a requirement, by the rule for runs that count.
+
+    stating: those of the removed ones that state it and are of no sweep; edges: the runs that count. If none of
+    these is like it, a removed run is compared with the newest removed one.
+    """
+    own = {edge.run_id for edge in stating}
+    counting, gone = _newest(edges), _newest(stating)
+    spoke: dict[How, list[int]] = {}
+    for edge in removed:
+        ways = {_way(edge, one, edge.run_id in own) for one in _like(edge, counting) or _like(edge, gone) or [edge]}
+        if known := [way for way in REMOVED if way in ways]:
+            spoke.setdefault(known[0], []).append(edge.run_id)
+    return spoke
+
+
+def _newest(edges: Sequence[Edge]) -> list[Edge]:
+    """The newest evidence of each campaign."""
+    by_name: dict[str, list[Edge]] = defaultdict(list)
+    for edge in edges:
+        by_name[edge.campaign].append(edge)
+    return [newest_of(found) for found in by_name.values()]
+
+
+def _like(edge: Edge, newest: Sequence[Edge]) -> list[Edge]:
+    """Those of the campaign of that name, or of the same question."""
+    return [e for e in newest if e.campaign == edge.campaign or e.question == edge.question]
+
+
+def _way(edge: Edge, newest: Edge, states: bool) -> How | None:
+    """As `how`; a run that does not state the requirement says nothing on how that was lowered, or stated before."""
+    way = how(edge, newest)
+    if states:
+        return way
+    return "higher" if way == "lowered" else None if way in ("before", "other") else way
 
 
 @lru_cache(maxsize=50_000)
@@ -129,11 +195,22 @@ def _named(runs: Sequence[int]) -> str:
     return ", ".join(map(run_name, runs[:MOST_NAMED])) + (f" and {rest} more" if rest > 0 else "")
 
 
+REMOVED: dict[How, str] = {
+    "violated": "of those that asked the same, {} violated it",
+    "found": "of those that asked the same, {} found a value at or below the newest threshold",
+    **EARLIER,
+    "higher": "at a higher threshold, {} violated it",
+    "found higher": "at a higher threshold, {} found a value at or below it",
+    "other": "another campaign of that name or another model violated it: {}",
+}
+"""How removed runs speak against a requirement, the worst first."""
+
+
 def notes(ignored: Ignored, similar: Sequence[str]) -> Iterator[str]:
     """Further notes for a reader of the status: exports have them as well."""
-    spoke = {"violated it": ignored.violated, "found a value at or below a threshold of that question": ignored.found}
-    if clauses := [f"{_named(runs)} {what}" for what, runs in spoke.items() if runs]:
-        yield f"Removed runs do not count; of those that asked the same, {', and '.join(clauses)}."
+    spoke = ignored.spoke
+    if clauses := [text.format(_named(spoke[way])) for way, text in REMOVED.items() if way in spoke]:
+        yield f"Removed runs do not count; {'; '.join(clauses)}."
     if similar:
         others = ", ".join(map(repr, similar[:MOST_NAMED]))
         yield f"Other ids differ only in case, spaces or the form of characters: {others}."

@@ -138,6 +138,8 @@ def _leaf(run: RequirementRun, claims: Mapping[str, str], address: str) -> Eleme
     parts = [f"{run.id} is {headline(run.verdict or run.state, run.not_sampled)}"]
     if run.margin is not None:
         parts.append(f"worst margin {signed(run.margin)} {run.unit}".strip())
+    if run.policy == "fails":
+        parts.append("the policy of its campaign on changes since the baseline fails")
     if run.part == "violation" and run.verdict != VerdictWord.VIOLATED:
         parts.append(run.role)
     current = [one for one in run.signoffs if one.current]

@@ -86,7 +86,7 @@ def rows(reader: sa.Connection, ids: Sequence[str], most: int) -> list[Requireme
     shown = {key: _shown(standing(found, others), found, most) for key, found in edges.items()}
     known = _known(reader, {n for found in shown.values() for n in found}, now)
     worded = texts(reader, known, ids)
-    ignored, similar = against.ignored(reader, ids), against.similar(reader, ids, _ids(""))
+    ignored, similar = against.ignored(reader, ids, edges), against.similar(reader, ids, _ids(""))
     made = []
     for key in ids:
         row, text = registered.get(key), worded.now.get(key, "")
@@ -208,6 +208,7 @@ def _whole(edge: Edge, known: Known | None, key: str, worded: Texts) -> Edge:
     return replace(
         edge,
         not_sampled=known.outcome.not_sampled,
+        policy=known.outcome.policy,
         signed=bool(current),
         repeats=max(sources) if sources and edge.run_id not in sources else None,
         own=all(one.own for one in valid),

@@ -20,7 +20,7 @@ _MATRIX = (
     "requirement", "text", "status", "why", "run", "counts", "campaign", "verdict", "quantity", "unit", "threshold",
     "worst", "margin", "p_violation_bound", "campaign_sha256", "code_sha256",
     "evidence_sha256", "date", "signed", "signed_by", "suspect",
-    "changes", "role", "p_violation_bound_source",
+    "changes", "role", "p_violation_bound_source", "policy",
 )  # fmt: skip
 
 
@@ -69,7 +69,7 @@ def _run(run: RequirementRun) -> list[object]:
         *("" if number is None else repr(number) for number in numbers), run.campaign_digest, run.code or "",
         run.evidence_digest or "",
         _date(run.finished or run.created), "yes" if run.signed else "no", signed, "yes" if run.suspect else "no",
-        "; ".join(run.changes), run.role, run.bound_source or "",
+        "; ".join(run.changes), run.role, run.bound_source or "", run.policy or "",
     ]  # fmt: skip
 
 

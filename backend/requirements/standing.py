@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from typing import Literal, get_args
 
 from campaigns.identity.identity import Identity, may_equal
+from campaigns.results.regression import PolicyWord
 from campaigns.results.verdict import VerdictWord
 from campaigns.runs import run_name
 
@@ -19,6 +20,14 @@ Status = Literal["violated", "inconclusive", "not sampled", "no verdict", "suspe
 
 ORDER: tuple[Status, ...] = get_args(Status)
 """The worst first."""
+
+How = Literal["violated", "found", "lowered", "higher", "found higher", "before", "other"]
+"""How a run speaks against newer or older evidence, see `how`."""
+
+LOWERED = "at a higher threshold, which was lowered since, {} violated it"
+BEFORE = "before, another campaign of that name or another model violated it: {}"
+EARLIER: dict[How, str] = {"lowered": LOWERED, "before": BEFORE}
+"""How earlier violations are stated that do not stand any more; removed ones in the same words."""
 
 ONLY_OWN = " only by who launched it"
 """What a sentence adds to *signed off*."""
@@ -30,7 +39,8 @@ class Edge:
     signed: whether a valid sign-off covers its results; repeats: the signed run that it repeats, if it was not signed
     itself; own: whether only users who launched the signed run have signed; not_carried: why
     no earlier sign-off counts for it; changes: what has changed since it ran, as
-    clauses; threshold and worst: of its criterion, and the lowest value of any evaluation [unit of the criterion]."""
+    clauses; threshold and worst: of its criterion, and the lowest value of any evaluation [unit of the criterion];
+    policy: what that of its campaign says of the changes since its baseline."""
 
     run_id: int
     campaign: str
@@ -45,6 +55,7 @@ class Edge:
     changes: tuple[str, ...] = ()
     threshold: float | None = None
     worst: float | None = None
+    policy: PolicyWord | None = None
 
 
 @dataclass(frozen=True)
@@ -66,9 +77,11 @@ def standing(edges: Sequence[Edge], others: Sequence[Edge] = (), sweeps: int = 0
     if not edges:
         variants = f": the {sweeps} that do are variants of sweeps, which are no evidence" if sweeps else ""
         return Standing("no evidence", f"No run that counts refers to this requirement{variants}.")
+    names = dict.fromkeys(e.campaign for e in edges)
+    newest = [newest_of([e for e in edges if e.campaign == name]) for name in names]
     found = [
         _of_campaign(name, [e for e in edges if e.campaign == name], [e for e in others if e.campaign == name])
-        for name in dict.fromkeys(e.campaign for e in edges)
+        for name in names
     ]
     worst = min((one.status for one in found), key=ORDER.index)
     sentences = [one.sentence for one in found if one.status == worst]
@@ -76,16 +89,46 @@ def standing(edges: Sequence[Edge], others: Sequence[Edge] = (), sweeps: int = 0
     rest = f" The evidence of {better} other campaign{'s' if better > 1 else ''} is no worse."
     return Standing(
         worst,
-        " ".join(sentences) + (rest if better else ""),
+        " ".join(sentences) + (rest if better else "") + _policy(newest),
         frozenset().union(*(one.evidence for one in found)),
         frozenset().union(*(one.violations for one in found)),
     )
 
 
+def _policy(newest: Sequence[Edge]) -> str:
+    """The evidence of which the policy fails: the verdict alone decides the status, and a reader must see both."""
+    failing = [e for e in newest if e.policy == "fails"]
+    if not failing:
+        return ""
+    return f" By the policy of the campaign on changes since its baseline, {_listed(failing)} fails; it is no verdict."
+
+
+def newest_of(edges: Sequence[Edge]) -> Edge:
+    """The newest run with a verdict; the newest one, if none has a verdict."""
+    return max(edges, key=lambda e: (e.verdict is not None, e.run_id))
+
+
+def how(edge: Edge, newest: Edge) -> How | None:
+    """How a run speaks against the newest evidence, whether it counts or is removed; None if it does not.
+
+    `violated` and `found` are of the question, the model and the threshold of that evidence; `lowered`, `higher` and
+    `found higher` met a higher threshold only; `before` and `other` violated another question, or on another model.
+    """
+    earlier, violated = edge.run_id < newest.run_id, edge.verdict == VerdictWord.VIOLATED
+    if not _same(edge, newest):
+        return ("before" if earlier else "other") if violated else None
+    if _at_threshold(edge, newest):
+        return "violated" if violated else "found"
+    if violated:
+        return "lowered" if earlier else "higher"
+    known = edge.worst is not None and edge.threshold is not None and _above(edge.threshold, newest.threshold)
+    return "found higher" if known and not _above(edge.worst, edge.threshold) else None
+
+
 def _of_campaign(name: str, edges: Sequence[Edge], others: Sequence[Edge]) -> Standing:
     judged = sorted((e for e in edges if e.verdict is not None), key=lambda e: -e.run_id)
     # What asks the same of the same model as the newest run speaks against it, also before that run has a verdict.
-    newest = judged[0] if judged else max(edges, key=lambda e: e.run_id)
+    newest = newest_of(edges)
     evidence = frozenset({newest.run_id})
     every = {e.run_id: e for e in (*edges, *others)}
     against = [e for _, e in sorted(every.items(), reverse=True) if _stands(e, newest)]
@@ -131,12 +174,11 @@ def _newest(newest: Edge) -> str:
 def _before(judged: Sequence[Edge], newest: Edge) -> str:
     """Earlier violations that do not stand any more, and why: a lowered threshold is what a reader must see."""
     violated = [e for e in judged[1:] if e.verdict == VerdictWord.VIOLATED]
-    lowered = [e for e in violated if _same(e, newest)]
-    others = [e for e in violated if e not in lowered]
-    clauses = [f" At a higher threshold, which was lowered since, {_listed(lowered)} violated it."] if lowered else []
-    if others:
-        clauses.append(f" Before, another campaign of that name or another model violated it: {_listed(others)}.")
-    return "".join(clauses)
+    by: dict[How | None, list[Edge]] = {}
+    for edge in violated:
+        by.setdefault(how(edge, newest), []).append(edge)
+    clauses = [text.format(_listed(by[of])) for of, text in EARLIER.items() if of in by]
+    return "".join(f" {clause[0].upper()}{clause[1:]}." for clause in clauses)
 
 
 def _listed(edges: Sequence[Edge]) -> str:
@@ -155,8 +197,11 @@ def _stands(edge: Edge, newest: Edge) -> bool:
     """
     if edge.run_id == newest.run_id and newest.verdict is not None:
         return edge.verdict == VerdictWord.VIOLATED
-    if not _same(edge, newest):
-        return False
+    return _same(edge, newest) and _at_threshold(edge, newest)
+
+
+def _at_threshold(edge: Edge, newest: Edge) -> bool:
+    """Whether it violates the threshold of the newest run, or found a value that would."""
     if edge.verdict == VerdictWord.VIOLATED and not _above(edge.threshold, newest.threshold):
         return True
     return edge.worst is not None and newest.threshold is not None and edge.worst <= newest.threshold

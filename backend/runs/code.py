@@ -11,6 +11,7 @@ from backend.db import codes
 from backend.runs import identity, service
 from backend.runs.schemas import ChangedFile, CodeChanges
 from campaigns import Campaign
+from campaigns.asked.requirements import definition
 from campaigns.checked.check import parts
 from campaigns.identity.identity import UNSTORED, Change, Identity
 from campaigns.versions import differing
@@ -19,18 +20,21 @@ from campaigns.versions import differing
 def changes(reader: sa.Connection, run_id: int, against: int) -> CodeChanges:
     """What differs between the code of a run and that of another one; 404 if there is no such run.
 
-    Own files and those of the campaign's components and methods come first.
+    Own files and those of the campaign's components and methods come first. What only one of two campaigns uses is no
+    difference.
     """
-    used = _used(service.campaign(reader, run_id)) | _used(service.campaign(reader, against))
+    one, other = (service.campaign(reader, run) for run in (run_id, against))
+    used, same = _used(one) | _used(other), one.digest == other.digest
     now, then = (identity.of_run(reader, run) or UNSTORED for run in (run_id, against))
-    found = identity.apart(reader, then, now)
+    same_files = same or definition(one.document()) == definition(other.document())
+    found = identity.apart(reader, then, now, same, same_files)
     own = [_own(one) for one in found if "/" in one.name]
     return CodeChanges(
         code=now.digest,
         against=then.digest,
         changes=[one.text for one in found],
         unidentified=list(dict.fromkeys(then.unidentified + now.unidentified)),
-        files=None if (files := _modules(reader, then, now, used)) is None else own + files,
+        files=None if (files := _modules(reader, then, now, used, same)) is None else own + files,
     )
 
 
@@ -39,8 +43,11 @@ def _own(change: Change) -> ChangedFile:
     return ChangedFile(file=change.name, change=how if change.after else "removed", component=None)
 
 
-def _modules(reader: sa.Connection, then: Identity, now: Identity, used: Collection[str]) -> list[ChangedFile] | None:
-    """The modules of the engine that differ; None unless those of both are stored."""
+def _modules(
+    reader: sa.Connection, then: Identity, now: Identity, used: Collection[str], same: bool
+) -> list[ChangedFile] | None:
+    """The modules of the engine that differ; None unless those of both are stored. same: whether both campaigns are
+    equal, so that what only one has is a difference."""
     if then.engine is not None and then.engine == now.engine:
         return []
     before, after = codes.modules(reader, then.engine), codes.modules(reader, now.engine)
@@ -52,6 +59,7 @@ def _modules(reader: sa.Connection, then: Identity, now: Identity, used: Collect
             component=stem if (stem := name.rpartition(".")[2]) in used else None,
         )
         for name in differing(before, after)
+        if same or (name in before and name in after)
     ]
     return sorted(files, key=lambda file: file.component is None) if before and after else None
 

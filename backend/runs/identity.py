@@ -72,10 +72,22 @@ def of_installed(reader: sa.Connection, campaign: Campaign, then: Identity) -> I
     return None if catalogue is None or catalogue.code is None else installed(campaign, catalogue, then)
 
 
-def apart(reader: sa.Connection, then: Identity, now: Identity) -> list[Change]:
-    """What is known to differ between two identities, with the modules of the engine that differ, if stored."""
+def apart(
+    reader: sa.Connection, then: Identity, now: Identity, same_modules: bool = True, same_files: bool = True
+) -> list[Change]:
+    """What is known to differ between two identities, with the modules of the engine that differ, if stored.
+
+    same_modules: whether both campaigns use the same parts of the engine, as those of equal digests do; same_files:
+    the same components, as those of equal definitions do. Else what only one of them uses is no change of the code.
+    """
     before, after = codes.modules(reader, then.engine), codes.modules(reader, now.engine)
-    return changes(then, now, differing(before, after) if before and after else ())
+    known = differing(before, after) if before and after else []
+    if not same_modules and known:
+        known = [name for name in known if name in before and name in after]
+        if not known:
+            then = then.model_copy(update={"engine": now.engine} | ({} if same_files else {"loop": now.loop}))
+    found = changes(then, now, known)
+    return found if same_files else [one for one in found if (one.before and one.after) or "/" not in one.name]
 
 
 def names(found: Collection[Change]) -> list[str]:

@@ -12,8 +12,9 @@ import sqlalchemy as sa
 
 from backend.db.tables import CampaignRow, Run
 from backend.http.schema import Instant, Schema
-from backend.runs import identity, quantities, sample_kind
+from backend.runs import identity, policy, quantities, sample_kind
 from backend.runs.sample_kind import BoundSource
+from campaigns.results.regression import PolicyWord
 from campaigns.results.verdict import VerdictWord
 from campaigns.runs import RunState, run_name
 
@@ -61,6 +62,9 @@ class Outcome(Schema):
     """Of the upper bound."""
     not_sampled: bool = False
     """Whether nothing but an independent sample is missing to clear it."""
+    policy: PolicyWord | None = None
+    """What the campaign's policy says of the changes since the baseline: `holds`; `fails`, which is exit code 1
+    whatever the verdict; `accepts`, a violated run whose violations were all known. Null without a comparison."""
     created: Instant
     finished: Instant | None
     removed: bool
@@ -82,7 +86,7 @@ def outcomes(
     """The outcomes of the runs that fulfil the conditions, newest first; purged runs are omitted."""
     columns = [Run.id, Run.removed, Run.worst_cost, Run.upper_bound, *(getattr(Run, name) for name in _PLAIN)]
     columns += [expression.label(name) for name, expression in _STATISTICS.items()]
-    columns += [*quantities.COLUMNS, *sample_kind.COLUMNS, *identity.COLUMNS]
+    columns += [*quantities.COLUMNS, *sample_kind.COLUMNS, *policy.COLUMNS, *identity.COLUMNS]
     columns += [Run.flown["clearance"].as_string().label("clearance")]
     columns += [CampaignRow.name.label("campaign_name"), CampaignRow.document["seed"].as_string().label("seed")]
     query = sa.select(*columns).join(CampaignRow, CampaignRow.digest == Run.campaign_digest)
@@ -109,6 +113,7 @@ def _outcome(row: Any, measured: quantities.Measured) -> Outcome:
         unidentified=[] if own is None else list(own.unidentified),
         clearance=row.clearance,
         not_sampled=sample.not_sampled,
+        policy=policy.of(row),
         campaign_name=row.campaign_name,
         seed=_seed(row.seed),
         removed=row.removed is not None,

@@ -13,6 +13,7 @@ from campaigns import Catalogue
 from campaigns.documents import JsonObject
 from campaigns.identity.identity import Identity
 from campaigns.results import Verdict
+from campaigns.results.regression import PolicyWord
 from campaigns.results.sample import SoFar
 from campaigns.results.verdict import VerdictWord
 from campaigns.results.verdicts import DescribedCheck
@@ -205,6 +206,9 @@ class RunSummary(Schema):
     """`certify`: the independent sample of the certify stage. `certify_stated`: the same with a stated seed, which
     a user may have chosen. `search`: there is no certify stage, and the sample is a random search with the seed of
     the campaign. Nothing is cleared by the last two. Null without a bound."""
+    policy: PolicyWord | None = None
+    """What the campaign's policy says of the changes since the baseline: `holds`; `fails`, which is exit code 1
+    whatever the verdict; `accepts`, a violated run whose violations were all known. Null without a comparison."""
     removed: Instant | None
     """Time of removal from all lists; None if it is listed."""
     removed_by: str | None
@@ -302,7 +306,7 @@ class ChangedFile(Schema):
 
 
 class CodeChanges(Schema):
-    """The difference between the code that ran a run and that of another one."""
+    """The difference between the code that ran a run and that of another one, of what both use."""
 
     code: str | None
     """Digest of the run's identity; None if something of it is not identified."""

@@ -38,11 +38,13 @@ class TrendRun(Outcome):
     """A run in a trend."""
 
     code_changed: bool
-    """Whether its code differs from that of the newest earlier run in the trend whose code is stored."""
+    """Whether its code differs from that of the newest earlier run in the trend whose code is stored, in what both
+    use."""
     code_changes: list[str]
     """What differs in it: own files, packages, modules of the engine."""
     campaign_changed: bool
-    """Whether its campaign differs from that of the run before it."""
+    """Whether its campaign differs from that of the run before it; a baseline that was added at launch is no
+    difference."""
     requirements: list[str]
     """The ids of the requirements that its campaign states."""
     labels: dict[str, str]
@@ -57,7 +59,7 @@ class Trend(Schema):
     digest: str | None
     """The campaign's digest; null for all campaigns of that name."""
     campaigns: int
-    """How many different campaigns are among the runs."""
+    """How many different campaigns are among the runs; baselines are no difference."""
     labels: list[Facet]
     """The labels of all runs, also of those without the labels that were asked for: by which they can be narrowed."""
     runs: list[TrendRun]

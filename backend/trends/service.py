@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 
 import sqlalchemy as sa
 
 from backend.db import labels
+from backend.db.engine import chunks
 from backend.db.sweeps import in_sweep
 from backend.db.tables import CampaignRow, Run, RunRequirement
 from backend.http.errors import RefusedError, not_found
@@ -17,7 +18,8 @@ from backend.runs.question import asked_again
 from backend.runs.service import require
 from backend.trends.schemas import Difference, RelatedRun, RelatedRuns, Trend, TrendRun
 from campaigns import Problem
-from campaigns.identity.identity import UNSTORED, Identity, changes
+from campaigns.asked.requirements import definition
+from campaigns.identity.identity import UNSTORED, Change, Identity, changes
 from campaigns.runs import run_name, run_number
 
 
@@ -44,19 +46,38 @@ def trend(
     every, narrowed = (wanted, Run.removed.is_(None), Run.purged.is_(None)), labels.conditions(label)
     there = every if digest is not None else (*every, ~in_sweep())
     conditions = (*there, *narrowed)
-    numbers = sa.select(sa.func.count(), sa.func.count(sa.distinct(Run.campaign_digest))).where(*conditions)
-    total, campaigns = reader.execute(numbers).one()
+    total = reader.scalar(sa.select(sa.func.count()).select_from(Run).where(*conditions)) or 0
     with_sweeps = reader.scalar(sa.select(sa.func.count()).select_from(Run).where(*every, *narrowed)) or 0
     found = outcomes(reader, conditions, limit)
     return Trend(
         name=name or "",
         digest=digest,
-        campaigns=campaigns,
+        campaigns=_campaigns(reader, conditions),
         labels=labels_of(reader, *there),
         runs=_marked(reader, found[::-1]),
         total=total,
         sweeps=with_sweeps - total,
     )
+
+
+def _campaigns(reader: sa.Connection, conditions: Sequence[sa.ColumnElement[bool]]) -> int:
+    """How many campaigns the runs have that differ in more than the baseline."""
+    digests = reader.scalars(sa.select(Run.campaign_digest).where(*conditions).distinct()).all()
+    baseline = CampaignRow.document["baseline"]["run"].as_string().is_not(None)
+    added = any(
+        reader.scalar(sa.select(CampaignRow.digest).where(CampaignRow.digest.in_(some), baseline).limit(1))
+        for some in chunks(digests)
+    )
+    return len(set(_definitions(reader, digests).values())) if added else len(digests)
+
+
+def _definitions(reader: sa.Connection, digests: Iterable[str]) -> dict[str, str]:
+    """The definition of each campaign, by its digest."""
+    found: dict[str, str] = {}
+    for some in chunks(set(digests)):
+        of = sa.select(CampaignRow.digest, CampaignRow.document).where(CampaignRow.digest.in_(some))
+        found |= {digest: definition(document) for digest, document in reader.execute(of)}
+    return found
 
 
 def _stated(reader: sa.Connection, found: list[Outcome]) -> dict[str, list[str]]:
@@ -77,13 +98,16 @@ def _marked(reader: sa.Connection, found: list[Outcome]) -> list[TrendRun]:
     """found: the oldest first."""
     stated, labelled = _stated(reader, found), _labelled(reader, found)
     known = identity.of_runs(reader, [run_number(outcome.id) or 0 for outcome in found])
+    defined = _definitions(reader, (outcome.campaign_digest for outcome in found))
     runs: list[TrendRun] = []
     code: Identity | None = None
-    campaign = None
+    coded, before = "", ""
     for outcome in found:
-        now = known.get(run_number(outcome.id) or 0)
-        apart = [] if code is None or now is None else identity.apart(reader, code, now)
-        other = campaign is not None and campaign != outcome.campaign_digest
+        now, own = known.get(run_number(outcome.id) or 0), outcome.campaign_digest
+        apart: list[Change] = []
+        if code is not None and now is not None:
+            apart = identity.apart(reader, code, now, coded == own, defined[coded] == defined[own])
+        other = bool(before) and defined[before] != defined[own]
         runs.append(
             TrendRun(
                 **dict(outcome),
@@ -94,7 +118,7 @@ def _marked(reader: sa.Connection, found: list[Outcome]) -> list[TrendRun]:
                 labels=labelled.get(outcome.id, {}),
             )
         )
-        code, campaign = now or code, outcome.campaign_digest
+        code, coded, before = now or code, own if now else coded, own
     return runs
 
 

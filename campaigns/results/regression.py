@@ -7,11 +7,24 @@ run is the same is decided by basin, not by label. Margins are to the threshold 
 from __future__ import annotations
 
 from enum import StrEnum
-from typing import Annotated
+from typing import Annotated, Literal
 
 from campaigns.asked.regression import FailOn
 from campaigns.documented import UNLESS_NONE
 from campaigns.results.base import Described, Values
+
+PolicyWord = Literal["holds", "fails", "accepts"]
+"""What the policy says: no change fails; one fails, whatever the verdict; or the violations of a violated run, all of
+them known, are accepted."""
+
+
+def policy_word(ok: bool | None, accepted: bool | None, verdict: str | None) -> PolicyWord | None:
+    """By `ok` and `accepted` of a regression, and the verdict; None without a baseline."""
+    if ok is None:
+        return None
+    if not ok:
+        return "fails"
+    return "accepts" if accepted and verdict == "violated" else "holds"
 
 
 class Standing(StrEnum):

@@ -12,7 +12,7 @@ from clearance.cli import CODES, INCONCLUSIVE, INTERNAL, INTERRUPTED, VIOLATED
 if TYPE_CHECKING:
     from campaigns.identity.identity import Identity
     from campaigns.results import Verdict
-    from campaigns.results.regression import FindingChange, Regression
+    from campaigns.results.regression import FindingChange, PolicyWord, Regression
     from campaigns.results.verdicts import DescribedCheck
 
 OUTCOMES = {
@@ -165,12 +165,14 @@ def code(verdict: Verdict) -> int:
     A change that fails is 1 whatever the verdict; a violated verdict is 0 only if the policy accepts violations and the
     baseline had all of them.
     """
-    regression = verdict.regression
-    if regression is not None and not regression.ok:
-        return VIOLATED
-    if regression is not None and regression.accepted and verdict.verdict == "violated":
-        return 0
-    return CODES[verdict.verdict]
+    return {"fails": VIOLATED, "accepts": 0}.get(_policy(verdict) or "", CODES[verdict.verdict])
+
+
+def _policy(verdict: Verdict) -> PolicyWord | None:
+    from campaigns.results.regression import policy_word
+
+    since = verdict.regression
+    return None if since is None else policy_word(since.ok, since.accepted, verdict.verdict)
 
 
 def by_policy(verdict: Verdict) -> str:
@@ -178,7 +180,7 @@ def by_policy(verdict: Verdict) -> str:
     regression = verdict.regression
     if regression is None or code(verdict) == CODES[verdict.verdict]:
         return ""
-    if not regression.ok:
+    if _policy(verdict) == "fails":
         return "the policy of the campaign fails"
     return f"every violating finding was known in {regression.run}, and the policy accepts those"
 

@@ -262,6 +262,14 @@ def _line(found: Run, figures: bool) -> str:
     return f"{found.id} {name}, {stage.evaluations:,}{of} evaluations{best}"
 
 
+def ended_as(found: Run) -> str:
+    """The verdict, or the state without one, and that the policy on changes since the baseline fails."""
+    from campaigns.results.verdict import headline
+
+    word = headline(found.verdict, found.not_sampled) if found.verdict else found.state
+    return f"{word}, policy fails" if found.policy == "fails" else word
+
+
 def counts(found: Run) -> str:
     """How many evaluations there are; a service of an earlier version does not report the excluded ones."""
     excluded = found.document.get("excluded_evaluations")
@@ -270,10 +278,8 @@ def counts(found: Run) -> str:
 
 
 def _ended(service: Client, found: RunDetail, ended: EndedRun) -> list[str]:
-    from campaigns.results.verdict import headline
-
     if found.state == RunState.DONE:
-        lines = [headline(found.verdict or "", found.not_sampled).capitalize(), found.reason or "", counts(found)]
+        lines = [ended_as(found).capitalize(), found.reason or "", counts(found)]
     elif found.state == RunState.CANCELLED:
         lines = ["Cancelled: no verdict", *filter(None, [superseded(found) or plain(found.error or "")])]
     else:

@@ -24,6 +24,10 @@ HOW = "give a parameter and its values, such as --sweep avoider.d_0=1,2,3"
 TABLE = "sweep.csv"
 SOURCES = {"search": ", from a random search", "certify_stated": f",{STATED_SEED}"}
 """What a bound rests on, if its seed was not drawn at the launch."""
+STATES = (
+    "queued", "running", "cancelling", "cleared", "violated", "inconclusive", "cancelled", "failed", "purged",
+)  # fmt: skip
+"""Of runs, in the order of the page; verdicts in place of "done", so that each run is counted once."""
 
 
 def parsed(option: str) -> tuple[str, list[float]]:
@@ -76,7 +80,7 @@ def sweep(
 def _followed(service: Client, sweep: str, quiet: bool) -> Sweep:
     before = ""
     for found in service.follow_sweep(sweep):
-        line = f"{sweep}: " + ", ".join(f"{count} {state}" for state, count in sorted(found.states.items()))
+        line = f"{sweep}: " + ", ".join(f"{found.states[word]} {word}" for word in STATES if found.states.get(word))
         if not quiet and line != before:
             typer.echo(line, err=True)
         before = line
@@ -90,15 +94,16 @@ def _line(found: Sweep, point: SweepPoint) -> str:
     start = f"{found.path} = {point.value:.15g} {found.unit}".rstrip() + f"  {point.run}"
     if outcome is None:
         return f"{start}  purged"
+    removed = "; removed from the lists" if outcome.removed else ""
     if outcome.state != RunState.DONE:
-        return f"{start}  {outcome.state}: no verdict{'; ' + outcome.error if outcome.error else ''}"
+        return f"{start}  {outcome.state}: no verdict{'; ' + outcome.error if outcome.error else ''}{removed}"
     margin = "" if outcome.margin is None else f", worst margin {signed(outcome.margin)} {outcome.unit}".rstrip()
     bound = outcome.upper_bound
     most = "" if bound is None else written(bound, form=Format.AT_MOST, digits=3)
     sure = written(outcome.confidence or 0.0, form=Format.AT_LEAST)
     source = SOURCES.get(outcome.bound_source or "", "")
     sampled = "" if bound is None else f", P(violation) at most {most} ({sure} confidence{source})"
-    return f"{start}  {headline(str(outcome.verdict), outcome.not_sampled)}{margin}{sampled}"
+    return f"{start}  {headline(str(outcome.verdict), outcome.not_sampled)}{margin}{sampled}{removed}"
 
 
 def _code(found: Sweep) -> int:

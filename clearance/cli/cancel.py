@@ -17,14 +17,11 @@ def cancel(
 ) -> None:
     """Cancel runs of a service; those that have ended are unchanged."""
 
-    from campaigns.results.verdict import headline
+    from clearance.cli._following import ended_as
 
     for run in runs:
         numbered(run)
     with opened(service, token_file, patience) as client:
         for run in runs:
             found = client.cancel(run)
-            typer.echo(
-                f"{found.id} {found.state}"
-                + (f": {headline(found.verdict, found.not_sampled)}" if found.verdict else "")
-            )
+            typer.echo(f"{found.id} {found.state}" + (f": {ended_as(found)}" if found.verdict else ""))

@@ -56,16 +56,15 @@ def runs(
 
 def _row(run: Run) -> list[str]:
     from campaigns.claims.numbers import signed
-    from campaigns.results.verdict import headline
     from campaigns.versions import SHORT
-    from clearance.cli._following import moment, plain
+    from clearance.cli._following import ended_as, moment, plain
 
     margin = "" if run.margin is None or not run.verdict else f"{signed(run.margin)} {run.unit}".rstrip()
     unread = run.document.get("unidentified")
     labels = " ".join(f"{key}={value}" for key, value in run.labels.items())
     return [
         run.id,
-        headline(run.verdict, run.not_sampled) if run.verdict else run.state,
+        ended_as(run),
         margin,
         moment(run.created),
         (run.document.get("code") or "")[:SHORT] or ("not identified" if unread else ""),

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from clearance.cli._ended import read
-from clearance.cli._following import AsJson, case, counts, moment, plain, removal, superseded, worked
+from clearance.cli._following import AsJson, case, counts, ended_as, moment, plain, removal, superseded, worked
 from clearance.cli._service import PATIENCE, SERVICE, Patience, Service, Token, numbered, opened
 
 if TYPE_CHECKING:
@@ -39,10 +39,8 @@ def show(
 
 def _head(found: RunDetail) -> list[str]:
     from campaigns.identity.identity import Identity
-    from campaigns.results.verdict import headline
 
-    state = headline(found.verdict, found.not_sampled) if found.verdict else found.state
-    lines = [f"{found.id} {state.capitalize()}: {plain(found.name)}"]
+    lines = [f"{found.id} {ended_as(found).capitalize()}: {plain(found.name)}"]
     stated = (found.reason, found.error, found.waits, superseded(found), removal(found))
     lines += [plain(text) for text in stated if text]
     if found.stage is not None:

@@ -252,6 +252,10 @@ class Run(RunAnswer):
     user may have chosen. `search`: there is no certify stage, and the sample is a random search with the seed of the
     campaign. Nothing is cleared by the last two. None without a bound.
     """
+    policy: str | None = None
+    """What the campaign's policy says of the changes since the baseline: `holds`; `fails`, which is exit code 1
+    whatever the verdict; `accepts`, a violated run whose violations were all known. None without a comparison.
+    """
     removed: AwareDatetime | None = None
     """Time of removal from all lists; None if it is listed."""
     removed_by: str | None = None
@@ -533,6 +537,10 @@ class Outcome(Answer):
     """Of the upper bound."""
     not_sampled: bool | None = None
     """Whether nothing but an independent sample is missing to clear it."""
+    policy: str | None = None
+    """What the campaign's policy says of the changes since the baseline: `holds`; `fails`, which is exit code 1
+    whatever the verdict; `accepts`, a violated run whose violations were all known. None without a comparison.
+    """
     created: AwareDatetime | None = None
     finished: AwareDatetime | None = None
     removed: bool | None = None

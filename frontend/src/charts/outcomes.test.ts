@@ -8,7 +8,7 @@ const outcome = (more: Partial<Outcome> = {}): Outcome => ({
   id: 'R-0001', name: '', state: 'done', verdict: 'cleared', error: null, campaign_name: '', campaign_digest: '', seed: 1,
   code: 'a', unidentified: [], clearance: null, quantity: 'd_min', unit: 'm', threshold: 0.5, worst_cost: 0.8, margin: 0.3, upper_bound: 0.001,
   bound_source: 'certify',
-  violations: 0, failed_samples: 0, samples: 3000, confidence: 0.95, created: 0, finished: 1, removed: false, not_sampled: false, ...more,
+  violations: 0, failed_samples: 0, samples: 3000, confidence: 0.95, created: 0, finished: 1, removed: false, not_sampled: false, policy: null, ...more,
 })
 const bare = { margin: null, worst_cost: null, upper_bound: null, bound_source: null, violations: null, failed_samples: null, samples: null, confidence: null } as const
 const points: At[] = [
@@ -87,6 +87,7 @@ it('says every run in words', () => {
   expect(kindsOf(points)).toEqual(['cleared', 'violated', 'inconclusive', 'failed', 'purged'])
   expect(spoken(points.slice(1, 4), ({ run }) => run)).toBe('R-0002: Violated, margin −0.1 m; R-0003: Failed; R-0004: Purged')
   expect(spoken([{ x: 1, run: 'R-0001', outcome: outcome({ verdict: 'inconclusive', not_sampled: true }) }], ({ run }) => run)).toBe('R-0001: Inconclusive: not sampled, margin 0.3 m')
+  expect(spoken([{ x: 1, run: 'R-0001', outcome: outcome({ policy: 'fails' }) }], ({ run }) => run)).toBe('R-0001: Cleared, policy fails, margin 0.3 m')
   expect(sampleOf(outcome({ violations: 3 }))).toBe('3 of 3\u202f000')
   expect(sampleOf(outcome({ violations: 3, failed_samples: 2 }))).toBe('3 of 3\u202f000, 2 failed')
   expect([observedName(points), observedName([{ x: 1, run: '', outcome: outcome({ failed_samples: 1 }) }])]).toEqual(['Observed fraction', 'Violating or failed fraction'])

@@ -25,5 +25,7 @@ export function changesOf(runs: readonly Pick<TrendRun, 'id' | 'code_changed' | 
     const named = changed.length > MOST ? `${changed.slice(-MOST).join(', ')} and ${changed.length - MOST} earlier` : changed.join(', ')
     return `The code changed before ${named}`
   }
-  return runs.every(({ code }) => code) ? 'All runs used the same code' : 'No change of the code is known'
+  // A campaign with another baseline or stage uses other parts of the same code, which has another digest.
+  const digests = new Set(runs.map(({ code }) => code))
+  return digests.size <= 1 && !digests.has(null) ? 'All runs used the same code' : 'No change of the code is known'
 }

@@ -23,6 +23,7 @@ it('names the runs before which the code changed, and what of it', () => {
   )
   expect(changesOf(runs([]))).toBe('All runs used the same code')
   expect(changesOf(runs([], null))).toBe('No change of the code is known')
+  expect(changesOf([...runs([]), ...runs([], 'b')])).toBe('No change of the code is known')
 })
 
 it('reads the address', () => {

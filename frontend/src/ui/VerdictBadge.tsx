@@ -39,12 +39,13 @@ export function OutcomeIcon({ outcome, className = 'i' }: { outcome: Outcome; cl
   return <Icon className={clsx(className, busy && icons.spin)} aria-hidden="true" />
 }
 
-type Ended = Pick<RunSummary, 'state' | 'verdict'> & { readonly not_sampled?: boolean }
+type Ended = Pick<RunSummary, 'state' | 'verdict'> & { readonly not_sampled?: boolean; readonly policy?: RunSummary['policy'] }
 
 const lacking = (run: Ended) => (run.verdict && run.not_sampled ? ': not sampled' : '')
 
-/** The outcome in words, with what alone is missing to clear the run. */
-export const wordOf = (run: Ended): string => `${LOOK[outcomeOf(run)].word}${lacking(run)}`
+/** The outcome in words, with what alone is missing to clear the run, and that its policy on changes fails. */
+export const wordOf = (run: Ended): string =>
+  `${LOOK[outcomeOf(run)].word}${lacking(run)}${run.policy === 'fails' ? ', policy fails' : ''}`
 
 /** The verdict as files and sentences have it, null without one. */
 export const headlineOf = (run: Ended): string | null => run.verdict && `${run.verdict}${lacking(run)}`

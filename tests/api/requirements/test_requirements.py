@@ -11,7 +11,6 @@ import os
 import sys
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
-from typing import Any
 
 import httpx
 import pytest
@@ -34,12 +33,12 @@ from tests.given.databases import AT_NIGHT
 from tests.given.joined_users import joined
 from tests.given.problem_documents import problem
 from tests.given.reported_runs import finding, finish_fully, validated
+from tests.given.requirement_rows import AT, ran, row, sign, stating
 from tests.given.row_changes import changed
 from tests.given.service import Service, until
 from tests.given.small_catalogue import campaign
 from tests.given.submissions import submit, swept
 
-AT = "/api/v1/requirements"
 WRITTEN = (Path(__file__).parents[1] / "requirements" / "written.reqif").read_bytes()
 PUBLIC = os.environ.get("CLEARANCE_REQIF_EXAMPLES", "")
 """A folder of public ReqIF files, see `tests.unit.backend.requirements.test_requirement_files`."""
@@ -53,29 +52,8 @@ TOOLS = {
 TEXT = "Keep 0.5 m."
 
 
-def stating(*requirements: Any, threshold: float = 0.5) -> dict[str, Any]:
-    return {"threshold": threshold, "requirements": list(requirements)}
-
-
-def row(client: httpx.Client, key: str) -> dict[str, Any]:
-    (found,) = [one for one in client.get(AT).json()["items"] if one["id"] == key]
-    return dict(found)
-
-
 def sent(client: httpx.Client, content: bytes, name: str = "a.csv", kind: str = "csv", **more: str) -> httpx.Response:
     return client.post(f"{AT}/files", params={"name": name, "kind": kind, **more}, content=content)
-
-
-def ran(service: Service, client: httpx.Client, *requirements: Any, verdict: str = "cleared", **changes: Any) -> str:
-    run = submit(client, **{"criterion": stating(*requirements), **changes})
-    finish_fully(service, verdict)
-    return run
-
-
-def sign(client: httpx.Client, run: str) -> None:
-    digest = client.get(f"/api/v1/runs/{run}/signoffs").json()["digest"]
-    body = {"name": "Grace Hopper", "role": "Independent review", "comment": "", "digest": digest}
-    assert client.post(f"/api/v1/runs/{run}/signoffs", json=body).status_code == 201
 
 
 @pytest.mark.nightly

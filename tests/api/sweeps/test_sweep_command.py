@@ -92,6 +92,26 @@ def test_a_line_states_what_its_bound_rests_on(submit: Submit, service: Service,
     assert found == [[], ["certify_stated"], ["search"]]
 
 
+def test_progress_counts_each_run_once_and_lines_state_removed_runs(
+    submit: Submit, service: Service, client: httpx.Client, capsys: Any
+) -> None:
+    def work() -> Iterator[object]:
+        for verdict in ("cleared", "violated", "inconclusive"):
+            finish_fully(service, verdict)
+            if verdict == "violated":
+                client.delete("/api/v1/runs/R-0002", params={"reason": "wrong"})
+            yield
+
+    submit("--sweep", "avoider.d_0=2,1,3", work=work())
+    statement = capsys.readouterr()
+    progress = [line.partition(": ")[2] for line in statement.err.splitlines() if line.startswith("S-0001: ")]
+    counts = [sum(int(part.split()[0]) for part in line.split(", ")) for line in progress]
+    assert set(counts) == {3}, progress
+    assert not any("done" in line for line in progress)
+    ends = [line.endswith("; removed from the lists") for line in statement.out.splitlines()]
+    assert sum(ends) == 1
+
+
 def test_only_its_number_or_its_json(submit: Submit, client: httpx.Client, capsys: Any) -> None:
     assert submit("--sweep", "avoider.d_0=2,1", "--no-wait", "--name", "Range", "--tag", "a") == 0
     assert capsys.readouterr().out == "S-0001\n"

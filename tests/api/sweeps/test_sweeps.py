@@ -177,6 +177,19 @@ def test_numbers_only_of_runs_that_are_done(service: Service, client: httpx.Clie
     assert row["verdict"] == headline("cleared", True)
 
 
+def test_a_removed_run_is_stated_in_the_table(service: Service, client: httpx.Client) -> None:
+    launch(client, values=[1.0, 2.0])
+    for _ in range(2):
+        finish_fully(service)
+    assert client.delete("/api/v1/runs/R-0001", params={"reason": "wrong"}).status_code == 200
+    rows = list(csv.DictReader(io.StringIO(client.get("/api/v1/sweeps/S-0001/table.csv").text)))
+    assert [(row["run"], row["verdict"], row["removed"]) for row in rows] == [
+        ("R-0001", "cleared", "yes"), ("R-0002", "cleared", "no"),
+    ]  # fmt: skip
+    points = client.get("/api/v1/sweeps/S-0001").json()["points"]
+    assert [point["outcome"]["removed"] for point in points] == [True, False]
+
+
 def test_a_sweep_is_cancelled_as_a_whole(service: Service, client: httpx.Client) -> None:
     launch(client)
     other = launch(client, values=[7.0, 8.0])

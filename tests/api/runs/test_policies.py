@@ -1,0 +1,91 @@
+"""A policy that fails is stated wherever the run and its verdict are: in lists, trends, requirements, webhooks."""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+from typing import Any
+
+import httpx
+import pytest
+import sqlalchemy as sa
+
+from backend.db.tables import Run
+from backend.webhooks.body import ended
+from campaigns.results.regression import Regression, policy_word
+from clearance.cli._following import ended_as
+from clearance.client.answers import Run as Answer
+from tests.given.databases import BOTH
+from tests.given.requirement_rows import AT, ran, row, sign
+from tests.given.service import Service
+
+SENTENCE, LEAF = "By the policy of the campaign on changes since its baseline, R-0001 fails", "since the baseline fails"
+FAILING, HOLDING = {"ok": False, "accepted": False}, {"ok": True, "accepted": False}
+SINCE: list[tuple[str, dict[str, bool] | None, str | None]] = [
+    ("cleared", FAILING, "fails"),
+    ("violated", FAILING, "fails"),
+    ("cleared", HOLDING, "holds"),
+    ("violated", {"ok": True, "accepted": True}, "accepts"),
+    ("inconclusive", {"ok": True, "accepted": True}, "holds"),
+    ("cleared", None, None),
+]
+
+
+def compared(service: Service, since: dict[str, bool] | None) -> None:
+    with service.engine.begin() as writer:
+        summary = dict(writer.scalar(sa.select(Run.summary)) or {})
+        regression = Regression(run="R-0009", position=1, cases=[], fail_on=[], statement=(), ok=True)
+        if since is not None:
+            summary["regression"] = regression.model_copy(update=since).model_dump(mode="json")
+        writer.execute(sa.update(Run).values(summary=summary))
+
+
+def stated(service: Service, client: httpx.Client) -> dict[str, Any]:
+    """What each place states of the run."""
+    with service.engine.connect() as reader:
+        message = json.loads(ended(reader, 1, ""))["data"]
+    (line,) = csv.DictReader(io.StringIO(client.get(f"{AT}/export/matrix.csv").text))
+    (listed,) = client.get("/api/v1/runs").json()["items"]
+    return {
+        "list": listed["policy"],
+        "run": client.get("/api/v1/runs/R-0001").json()["policy"],
+        "trend": client.get("/api/v1/trends", params={"name": listed["campaign_name"]}).json()["runs"][0]["policy"],
+        "requirement": row(client, "REQ-1")["runs"][0]["policy"],
+        "matrix": line["policy"] or None,
+        "webhook": message["policy"],
+    }
+
+
+@BOTH
+@pytest.mark.parametrize(("verdict", "since", "word"), SINCE)
+def test_every_place_states_what_the_policy_says(
+    service: Service, client: httpx.Client, verdict: str, since: dict[str, bool] | None, word: str | None
+) -> None:
+    ran(service, client, "REQ-1", verdict=verdict)
+    compared(service, since)
+    found = stated(service, client)
+    assert found == dict.fromkeys(found, word)
+    sentence = row(client, "REQ-1")["sentence"]
+    exports = [client.get(f"{AT}/export/{name}").text for name in ("requirements.csv", "requirements.reqif")]
+    argument = " ".join(client.get(f"{AT}/export/argument.gsn.yaml").text.split())
+    assert {SENTENCE in text for text in (sentence, *exports, argument)} == {word == "fails"}
+    assert (LEAF in argument) == (word == "fails")
+    listed = Answer.model_validate(client.get("/api/v1/runs").json()["items"][0])
+    assert ended_as(listed).endswith(", policy fails") == (word == "fails")
+
+
+def test_the_verdict_alone_decides_whether_a_requirement_is_met(service: Service, client: httpx.Client) -> None:
+    run = ran(service, client, "REQ-1")
+    compared(service, FAILING)
+    sign(client, run)
+    ran(service, client, "REQ-1", name="Another")
+    found = row(client, "REQ-1")
+    assert found["status"] == "unsigned"
+    assert SENTENCE in found["sentence"], "also of a campaign whose evidence is no worse"
+
+
+def test_words() -> None:
+    for verdict, since, word in SINCE:
+        known = since or {}
+        assert policy_word(known.get("ok"), known.get("accepted"), verdict) == word

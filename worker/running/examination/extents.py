@@ -5,9 +5,8 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
-from campaigns.limits import CONTINUED
 from worker.engine.kernels.component import Obstacle, declared
-from worker.engine.systems.closed_loop.reaches import Exceeded, Reaches, States, Values, instants, sampled
+from worker.engine.kernels.reaches import Exceeded, Reaches, States, Values, instants, sampled
 from worker.running.examination.mistake import Mistake
 from worker.running.examination.scenes import usual
 
@@ -28,7 +27,7 @@ def check_reach(obstacle: Obstacle, states: Sequence[tuple[float, States]], last
     limits = {p.name: (p.low, p.high) for p in declared(obstacle.parameters)}
     reaches, begun = Reaches(obstacle), [(0.0, States())]
     # The states at other values are unknown without a simulation of each, except those at the start.
-    passing = [(t, States()) for t in instants(lasts / CONTINUED)] if obstacle.moving and not obstacle.states else begun
+    passing = [(t, States()) for t in instants(lasts)] if obstacle.moving and not obstacle.states else begun
     for values in sampled(nominal, limits):
         first = values is nominal
         if not first and not _ordered(obstacle, values):

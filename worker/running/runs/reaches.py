@@ -13,10 +13,10 @@ from campaigns.asked.problem import Problem as Wrong
 from campaigns.checked.check import parameters
 from campaigns.limits import CONTINUED
 from worker.engine.kernels.component import Obstacle
+from worker.engine.kernels.reaches import Exceeded, Reaches, States, Values, instants, sampled
 from worker.engine.problem.problem import Problem
 from worker.engine.systems.base import CampaignUnusable
 from worker.engine.systems.closed_loop.flights import Flights
-from worker.engine.systems.closed_loop.reaches import Exceeded, Reaches, States, Values, instants, sampled
 from worker.running.catalogue import installed
 from worker.running.runs.repetition import shipped
 
@@ -62,7 +62,7 @@ def _first(
         if obstacle.states and flights is not None:
             states += _simulated(flights, i, values)
         elif obstacle.moving and not obstacle.states:
-            states = [(time, ()) for time in instants(horizon)]
+            states = [(time, ()) for time in instants(CONTINUED * horizon)]
         found = reaches.exceeded(values, states)
         if found is not None:
             return found
@@ -76,7 +76,7 @@ def _simulated(flights: Flights, i: int, values: Values) -> Iterator[tuple[float
     row = flights.realisations.flights(flights.vector({f"obstacles.{i}.{n}": v for n, v in values.items()})[None, :])
     steps, every = flights.counts(flights.step)
     trace = flights.loop.simulate(row[:1], flights.step, CONTINUED * steps, every, traced=1).trace[0]
-    for time in instants(flights.campaign.given_scenario.horizon):
+    for time in instants(CONTINUED * flights.campaign.given_scenario.horizon):
         k = min(round(time / flights.step), len(trace) - 1)
         there = tuple(map(float, trace[k, first : first + obstacles[i].states]))
         if all(abs(value) < float("inf") for value in there):

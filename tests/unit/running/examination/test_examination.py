@@ -141,9 +141,7 @@ def test_a_reach_holds_along_the_states_of_an_obstacle(growth: str, folder: Path
         source = reading.read(file)
         assert flown(declared_by(source, "worker.engine.components.own.inflated"), source, lambda _: None)
         return
-    with pytest.raises(
-        Mistake, match=r"reach is 0\.5 m with the nominal values at t = 2 s, and a point of its surface"
-    ):
+    with pytest.raises(Mistake, match=r"reach is 0\.5 m .* at t = 2 s"):
         found(file)
 
 

@@ -16,13 +16,13 @@ from tests.given.case_campaigns import document as case1
 from worker.engine.components.obstacles import circle
 from worker.engine.kernels.component import Derived, Obstacle, Parameter, Rate, Reach, declared
 from worker.engine.kernels.maths import kernel, norm2, sincos
+from worker.engine.kernels.reaches import Reaches, sampled
 from worker.engine.kernels.views import Body
 from worker.engine.problem.problem import Problem
 from worker.engine.reference.reference import Reference
 from worker.engine.systems import optional
 from worker.engine.systems.base import CampaignUnusable
 from worker.engine.systems.closed_loop.parts import Installed
-from worker.engine.systems.closed_loop.reaches import Reaches, sampled
 from worker.engine.systems.closed_loop.system import ClosedLoop
 from worker.running.catalogue import installed
 from worker.running.catalogue.entries import component_entry
@@ -190,8 +190,8 @@ def test_a_run_is_refused_with_what_was_measured(
         runner.execute(campaign, MemoryStore(), problem=problem(campaign, known))
     (found,) = raised.value.problems
     assert (found.field, found.given) == ("scenario.obstacles.1", "post")
-    assert "its surface extends to" in found.message
-    assert "correct `reach` in the component" in found.message
+    assert "extends to" in found.message
+    assert "correct `reach`" in found.message
 
 
 @rows(LARGE_ENOUGH)

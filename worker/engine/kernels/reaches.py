@@ -13,7 +13,6 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from campaigns.limits import CONTINUED
 from worker.engine.kernels.bind import plain
 from worker.engine.kernels.component import Obstacle, declared
 
@@ -64,11 +63,11 @@ class Reaches:
         if declared_reach is None:
             return None
         reach = declared_reach.times * math.hypot(*(values[name] for name in declared_reach.of))
-        for time, given in states:
+        for time, there in states:
             try:
                 p = self._constants(values)
                 begun = () if self._wake is None else tuple(map(float, self._wake(p)))
-                extent, rounding = self._extent(time, given or begun, p, reach)
+                extent, rounding = self._extent(time, there or begun, p, reach)
             except (ArithmeticError, ValueError):  # not known there; a simulation that needs it fails
                 continue
             if extent > reach + SLACK * max(1e-3, reach) + rounding:
@@ -106,12 +105,10 @@ class Reaches:
         return farthest, ROUNDING * (away + max(map(abs, middle)))
 
 
-def instants(horizon: float) -> list[float]:
-    """Instants for as long as flights are simulated: the start, the horizon, the end, and others that no period meets
-    at one phase [s]."""
+def instants(lasts: float) -> list[float]:
+    """Instants of a time: the start, the middle, the end, and others that no period meets at one phase [s]."""
     golden = (math.sqrt(5.0) - 1.0) / 2.0
-    parts = [0.0, 1.0 / CONTINUED, 1.0, *(k * golden % 1.0 for k in range(1, INSTANTS - 2))]
-    return [part * CONTINUED * horizon for part in parts]
+    return [part * lasts for part in (0.0, 0.5, 1.0, *(k * golden % 1.0 for k in range(1, INSTANTS - 2)))]
 
 
 def sampled(nominal: Values, bounds: Mapping[str, tuple[float, float]]) -> Iterator[Values]:

@@ -46,10 +46,13 @@ class Exceeded(NamedTuple):
 
 
 class Reaches:
-    """The declared reach of one obstacle, and its body and start in plain Python."""
+    """The declared reach of one obstacle, and its body and start in plain Python.
 
-    def __init__(self, obstacle: Obstacle) -> None:
-        self._obstacle, self._body = obstacle, plain(obstacle.body)
+    trim: that of the vehicle, from which it may derive constants; () if it has none, or if it is unknown.
+    """
+
+    def __init__(self, obstacle: Obstacle, trim: object = ()) -> None:
+        self._obstacle, self._body, self._trim = obstacle, plain(obstacle.body), trim
         self._derive = None if obstacle.derived is None else plain(obstacle.derived.derive)
         self._wake = None if obstacle.wake is None else plain(obstacle.wake)
         self._directions = _directions(obstacle.dimension)
@@ -68,7 +71,9 @@ class Reaches:
                 p = self._constants(values)
                 begun = () if self._wake is None else tuple(map(float, self._wake(p)))
                 extent, rounding = self._extent(time, there or begun, p, reach)
-            except (ArithmeticError, ValueError):  # not known there; a simulation that needs it fails
+            # Not known there: a simulation that needs it fails. Without the trim that it derives constants from, it is
+            # known only in a run.
+            except (ArithmeticError, ValueError, LookupError, AttributeError):
                 continue
             if extent > reach + SLACK * max(1e-3, reach) + rounding:
                 return Exceeded({q.name: values[q.name] for q in declared(obstacle.parameters)}, time, extent, reach)
@@ -77,7 +82,7 @@ class Reaches:
     def _constants(self, values: Values) -> Any:
         own = self._obstacle.parameters(*(float(values[q.name]) for q in declared(self._obstacle.parameters)))
         derived = self._obstacle.derived
-        return own if derived is None or self._derive is None else derived.constants(*self._derive(own, ()))
+        return own if derived is None or self._derive is None else derived.constants(*self._derive(own, self._trim))
 
     def _extent(self, time: float, states: States, p: Any, reach: float) -> tuple[float, float]:
         """How far the surface extends from the centre, and the rounding of this [m]."""

@@ -56,7 +56,9 @@ def excesses(campaign: Campaign, flights: Flights | None = None) -> Iterator[Wro
 def _first(
     obstacle: Obstacle, i: int, points: Iterator[Values], horizon: float, flights: Flights | None
 ) -> Exceeded | None:
-    reaches = Reaches(obstacle)
+    span = None if flights is None else flights.loop.extended.get("trim")
+    trim = () if flights is None or span is None else span.fields(*map(float, flights.nominal[span.first : span.last]))
+    reaches = Reaches(obstacle, trim)
     for values in points:
         states: list[tuple[float, States]] = [(0.0, ())]
         if obstacle.states and flights is not None:

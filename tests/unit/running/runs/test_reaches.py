@@ -208,6 +208,26 @@ def test_it_is_found_without_a_simulation(known: Installed, values: dict[str, fl
     assert [found.field for found in reaches.excesses(asked(values, bounds))] == ["scenario.obstacles.1"]
 
 
+@kernel
+def derive_from_trim(p: Post, trim: Any) -> tuple[float, ...]:
+    return p.position_x, p.position_y, p.radius, trim.alpha
+
+
+def test_constants_from_the_trim_of_the_vehicle_are_known_where_it_is() -> None:
+    """In a run, and not by `clearance validate`, which does not solve for it."""
+
+    class Trim(NamedTuple):
+        alpha: float
+
+    post = Obstacle("post", "Post", 2, Post, offset, derived=Derived(Constants, derive_from_trim), reach=RADIUS)
+    values = dict.fromkeys((p.name for p in declared(Post)), 1.0)
+    assert Reaches(post).exceeded(values) is None
+    assert Reaches(post, Trim(0.0)).exceeded(values) is None
+    found = Reaches(post, Trim(0.2)).exceeded(values)
+    assert found is not None
+    assert (found.reach, found.extent) == pytest.approx((1.0, 1.2))
+
+
 SHIPPED = {name: c for (role, name), c in installed.components().items() if role == "obstacle"}
 
 

@@ -218,9 +218,10 @@ def _fresh(
     from campaigns.sample_seed import SampleSeed
     from worker.engine.systems.base import CampaignUnusable
     from worker.running.catalogue.installed import catalogue
+    from worker.running.runs.reaches import excesses
     from worker.running.runs.store import MemoryStore
 
-    if problems := check(campaign, catalogue()):
+    if problems := check(campaign, catalogue()) or list(excesses(campaign)):
         if any(problem.field == "simulator.name" for problem in problems):
             code.report_unusable()
         raise CampaignError(str(file), problems)

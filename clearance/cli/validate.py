@@ -69,9 +69,10 @@ def _here(file: Path, normal: bool, allow_code: bool) -> None:
     from campaigns.checked import prediction
     from campaigns.checked.foreseen import foreseen
     from worker.running.catalogue.installed import catalogue
+    from worker.running.runs.reaches import excesses
 
     campaign, known = code.read(file, allow_code), catalogue()
-    problems = check(campaign, known)
+    problems = check(campaign, known) or list(excesses(campaign))
     if problems:
         if campaign.simulator is not None:
             code.report_unusable()

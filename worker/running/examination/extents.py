@@ -1,56 +1,58 @@
-"""Checks that the reach of an obstacle covers what its body shows."""
+"""Checks that the reach of an obstacle covers what its body shows, with every value that its parameters may have."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Sequence
 
-import numpy as np
-
-from worker.engine.kernels.bind import plain
-from worker.engine.kernels.component import Obstacle
+from worker.engine.kernels.component import Obstacle, declared
+from worker.engine.kernels.reaches import Exceeded, Reaches, States, Values, instants, sampled
 from worker.running.examination.mistake import Mistake
+from worker.running.examination.scenes import usual
 
-FAR = 1e3
-"""Looked at from this many reaches away, a surface shows its extent in a direction."""
-DIRECTIONS = 64
-SLACK = 1e-3
-"""What is seen from there may differ by this fraction of the reach."""
+FEW = 5
+"""Instants at which other than the nominal values are checked."""
+STATED = 4
+"""A sentence states at most so many values."""
 
 
-def check_reach(obstacle: Obstacle, arguments: tuple[object, ...], values: dict[str, float], line: int) -> None:
+def check_reach(obstacle: Obstacle, states: Sequence[tuple[float, States]], lasts: float, line: int) -> None:
     """Compare the reach with what the body shows from outside; raises `Mistake`.
 
-    arguments: of a call of the body, (t, o, q, p); values: those of its parameters in that call, by name.
+    states: those of a simulation of the nominal values at some instants, if it has any; lasts: how long it took [s].
     """
     if obstacle.reach is None:
         return
-    t, o, _, p = arguments
-    body, axes = plain(obstacle.body), obstacle.dimension
-    reach = obstacle.reach.times * math.hypot(*(values[name] for name in obstacle.reach.of))
-    middle, away = _centre(body(t, o, (0.0,) * axes, p), axes), FAR * max(1.0, reach)
-    for direction in _directions(axes):
-        q = tuple(m + away * d for m, d in zip(middle, direction, strict=True))
-        there = body(t, o, q, p)
-        extent = math.dist(q, _centre(there, axes)) - there.gap
-        if extent > reach + SLACK * max(1e-3, reach):
-            raise Mistake(
-                f"reach is {reach:g} m with the nominal values, and a point of its surface is {extent:.4g} m from the "
-                "centre that body reports: give the largest such distance",
-                line,
-            )
+    nominal = {p.name: usual(p, "obstacles.0") for p in declared(obstacle.parameters)}
+    limits = {p.name: (p.low, p.high) for p in declared(obstacle.parameters)}
+    reaches, begun = Reaches(obstacle), [(0.0, States())]
+    # The states at other values are unknown without a simulation of each, except those at the start.
+    passing = [(t, States()) for t in instants(lasts)] if obstacle.moving and not obstacle.states else begun
+    for values in sampled(nominal, limits):
+        first = values is nominal
+        if not first and not _ordered(obstacle, values):
+            continue
+        found = reaches.exceeded(
+            values, [*begun, *(states if obstacle.states else passing)] if first else passing[:FEW]
+        )
+        if found is not None:
+            raise Mistake(_sentence(found, nominal), line)
 
 
-def _centre(body: object, axes: int) -> tuple[float, ...]:
-    return tuple(float(getattr(body, axis)) for axis in "xyz"[:axes])
+def _ordered(obstacle: Obstacle, values: Values) -> bool:
+    """Whether a campaign may have these values."""
+    return all(
+        math.prod(values[name] for name in order.low) <= order.times * math.prod(values[name] for name in order.high)
+        for order in obstacle.orders
+    )
 
 
-def _directions(axes: int) -> Iterator[tuple[float, ...]]:
-    """Directions all around, those of the axes and of the corners between them among them."""
-    for k in range(DIRECTIONS if axes == 2 else 0):
-        angle = 2.0 * math.pi * k / DIRECTIONS
-        yield math.cos(angle), math.sin(angle)
-    for way in np.ndindex(*(5,) * axes if axes == 3 else ()):
-        length = math.hypot(*(k - 2 for k in way))
-        if length:
-            yield tuple((k - 2) / length for k in way)
+def _sentence(found: Exceeded, nominal: Values) -> str:
+    changed = [f"{name} = {value:g}" for name, value in found.values.items() if value != nominal[name]]
+    more = ["..."] if len(changed) > STATED else []
+    values = ", ".join([*changed[:STATED], *more]) or "the nominal values"
+    when = f" at t = {found.time:g} s" if found.time else ""
+    return (
+        f"reach is {found.reach:g} m with {values}{when}, and a point of its surface is {found.extent:.4g} m from the "
+        "centre that body reports: give the largest such distance"
+    )

@@ -14,8 +14,8 @@ from typing import Any
 import numpy as np
 
 from worker.engine.kernels.bind import rebuilt
-from worker.engine.kernels.component import Component, Controller, Obstacle, declared
-from worker.engine.kernels.layout import Parts
+from worker.engine.kernels.component import Component, Controller, Obstacle
+from worker.engine.kernels.layout import Parts, states
 from worker.engine.kernels.text.names import UnnamedError
 from worker.engine.systems.closed_loop.assemble import Loop
 from worker.running.examination.blame import mistake
@@ -23,12 +23,14 @@ from worker.running.examination.extents import check_reach
 from worker.running.examination.kernels import Slot, kernels
 from worker.running.examination.mistake import Mistake
 from worker.running.examination.reading import Source
-from worker.running.examination.scenes import Own, nominal, scenes, usual
+from worker.running.examination.scenes import Own, nominal, scenes
 
 STEP, STEPS = 0.01, 12
 """Step [s] and number of steps."""
 LONG = 3000
 """Steps of the simulation that shows what goes wrong after some seconds."""
+SHOWN = 15
+"""The extent of an obstacle with states is checked so often in it."""
 
 Calls = dict[CodeType, list[tuple[Any, ...]]]
 """The arguments of the first call of each kernel in each scene, by its code."""
@@ -39,18 +41,25 @@ def flown(component: Component, source: Source, own: Own) -> Calls:
     calls: Calls = {}
     for parts in scenes(component, own):
         with np.errstate(all="ignore"):
-            _fly(component, parts, source, calls)
+            trace = _fly(component, parts, source, calls)
+        if isinstance(component, Obstacle):
+            check_reach(component, _states(component, parts, trace), STEP * LONG, source.line_of("reach"))
     for slot in kernels(component):
-        if isinstance(component, Obstacle) and slot.field == "body" and _code(slot.function) in calls:
-            values = {p.name: usual(p, "obstacles.0") for p in declared(component.parameters)}
-            with contextlib.suppress(ArithmeticError):  # a body need not be known so far away
-                check_reach(component, calls[_code(slot.function)][0], values, source.line_of("reach"))
         if slot.field == "switches":
             _check_switches(component, slot, source)
     return calls
 
 
-def _fly(component: Component, parts: Parts, source: Source, calls: Calls) -> None:
+def _states(obstacle: Obstacle, parts: Parts, trace: Any) -> list[tuple[float, tuple[float, ...]]]:
+    """The states of an obstacle at some instants of a simulation, in which it is the only one."""
+    last = states(parts).total
+    rows = range(0, len(trace) if obstacle.states else 0, LONG // SHOWN)
+    found = [(STEP * k, tuple(map(float, trace[k, last - obstacle.states : last]))) for k in rows]
+    return [(time, there) for time, there in found if np.isfinite(there).all()]
+
+
+def _fly(component: Component, parts: Parts, source: Source, calls: Calls) -> Any:
+    """Simulate one scene; the states of the longest simulation of it."""
     watch = Watch(component, parts, source, calls)
     try:
         loop = Loop(parts, lanes=1, compiled=False)
@@ -72,7 +81,7 @@ def _fly(component: Component, parts: Parts, source: Source, calls: Calls) -> No
         state, guidance = trace[0, 0, : loop.n_state], trace[0, 0, loop.n_state :]
         extend = rebuilt(loop.kernel("extend"), done, watch.watched)
         observed(0.0, tuple(map(float, state)), tuple(map(float, guidance)), extend(tuple(map(float, values[0]))))
-        simulated(LONG)
+        longest = simulated(LONG)[0]
     except Mistake:
         raise
     except UnnamedError as error:
@@ -82,6 +91,7 @@ def _fly(component: Component, parts: Parts, source: Source, calls: Calls) -> No
         raise found if found.line else Mistake(found.text, source.line_of()) from None
     if component is parts.vehicle:
         _check_start(parts, loop, trace, watch, extend(tuple(map(float, values[0]))))
+    return longest
 
 
 def _check_start(parts: Parts, loop: Loop, trace: Any, watch: Watch, p: Any) -> None:

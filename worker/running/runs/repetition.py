@@ -21,7 +21,7 @@ SHIPPED = "worker.engine.components"
 
 def check(campaign: Campaign, problem: Problem) -> None:
     """Simulate the nominal case again and again; raises `CampaignUnusable` if the bits differ."""
-    others = [f"{role} {part.component}" for _, _, role, part in parts(campaign) if not _shipped(role, part.component)]
+    others = [f"{role} {part.component}" for _, _, role, part in parts(campaign) if not shipped(role, part.component)]
     if not others:
         return
     system = problem.system
@@ -41,6 +41,7 @@ def check(campaign: Campaign, problem: Problem) -> None:
         raise CampaignUnusable([Wrong("scenario", ", ".join(dict.fromkeys(others)), text)])
 
 
-def _shipped(role: Role, name: str) -> bool:
+def shipped(role: Role, name: str) -> bool:
+    """Whether a component is one of those that are shipped."""
     home = installed.source_of(installed.components()[role, name]).__name__
     return within(home, SHIPPED) and not within(home, OWN)

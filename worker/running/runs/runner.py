@@ -32,7 +32,7 @@ from worker.evidence.verdicts.sureness import Stored, sureness
 from worker.evidence.verdicts.validation import worded
 from worker.running.catalogue.installed import methods
 from worker.running.opening import opened
-from worker.running.runs import file_check, identity, pulse, repetition
+from worker.running.runs import file_check, identity, pulse, reaches, repetition
 from worker.running.runs.provenance import begin, versions
 
 __all__ = ["CampaignUnusable", "Cancelled", "ReplayMismatch", "Tally", "execute"]
@@ -75,6 +75,7 @@ def _executed(
     pulse.own.allow(pulse.longest(problem.system))
     optional.warm(problem.system)
     repetition.check(campaign, problem)
+    reaches.check(campaign, problem)
     if wrong := [one for stage in stages().values() for one in stage.wrong(problem)]:
         raise CampaignUnusable(wrong)
     records = store.plan([StagePlan(*planned) for planned in plan(campaign)])

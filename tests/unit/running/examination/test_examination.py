@@ -109,6 +109,42 @@ def test_a_component_may_be_of_a_subclass(kind: str, folder: Path) -> None:
     flown(declared_by(source, f"worker.engine.components.own.{file.stem}"), source, lambda _: None)
 
 
+STATES = """
+
+@kernel
+def wake(p: MyObstacle) -> tuple[float]:
+    return (p.radius,)
+
+
+@kernel
+def move(t: float, o: tuple[float], q: tuple[float, float], v: tuple[float, float], p: MyObstacle) -> tuple[float]:
+    return (GROWTH,)
+
+
+component = Obstacle(
+    states=1,
+    wake=wake,
+    move=move,
+"""
+
+
+@pytest.mark.parametrize("growth", ["0.0", "0.1"])
+def test_a_reach_holds_along_the_states_of_an_obstacle(growth: str, folder: Path) -> None:
+    text = (SKELETONS / "obstacle.py").read_text(encoding="utf-8")
+    text = text.replace("\n\ncomponent = Obstacle(\n", STATES.replace("GROWTH", growth)).replace(
+        "o: tuple[()]", "o: Any"
+    )
+    text = text.replace("distance - p.radius,", "distance - o[0],").replace("import Annotated", "import Annotated, Any")
+    file = folder / "inflated.py"
+    file.write_text(text, encoding="utf-8")
+    if growth == "0.0":
+        source = reading.read(file)
+        assert flown(declared_by(source, "worker.engine.components.own.inflated"), source, lambda _: None)
+        return
+    with pytest.raises(Mistake, match=r"reach is 0\.5 m .* at t = 2 s"):
+        found(file)
+
+
 SHIPPED = pytest.mark.parametrize("component", components().values(), ids=lambda c: f"{c.role}-{c.name}")
 
 

@@ -70,7 +70,7 @@ def follow_to_the_end(
     except UnreachableError:
         typer.echo(CONTINUES.format(run=run), err=True)
         raise
-    ended = _as_ended(service, found, reused)
+    ended = as_ended(service, found, reused)
     # Before the files, which the service may be unable to deliver.
     typer.echo(json.dumps(found.document, indent=2) if as_json else "\n".join(_ended(service, found, ended)))
     lost: WrongInputError | None = None
@@ -118,7 +118,7 @@ def _cancelled(service: Client, run: str) -> str:
     return f"{run} was cancelled, because this command was ended"
 
 
-def _as_ended(service: Client, found: RunDetail, reused: str | None) -> EndedRun:
+def as_ended(service: Client, found: RunDetail, reused: str | None = None) -> EndedRun:
     """The run as its files state it; an earlier version of the service has no labels and no baseline."""
     from campaigns.identity.identity import Identity
     from campaigns.results import Verdict
@@ -278,7 +278,10 @@ def _ended(service: Client, found: RunDetail, ended: EndedRun) -> list[str]:
         lines = ["Cancelled: no verdict", *filter(None, [superseded(found) or plain(found.error or "")])]
     else:
         lines = ["Failed: no verdict", plain(found.error or "no reason is recorded")]
-    lines += map(plain, ended.notes)
-    if ended.verdict is not None:
-        lines += [*sureness(ended.verdict), *changes(ended.verdict)]
-    return [*lines, service.link(found)]
+    return [*lines, *map(plain, ended.notes), *judged(ended), service.link(found)]
+
+
+def judged(ended: EndedRun) -> list[str]:
+    """How sure the search is, the changes since the baseline and what the policy decides on them; empty without a
+    verdict."""
+    return [] if ended.verdict is None else list(map(plain, [*sureness(ended.verdict), *changes(ended.verdict)]))

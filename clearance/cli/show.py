@@ -8,10 +8,11 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from clearance.cli._ended import read
-from clearance.cli._following import AsJson, case, counts, moment, plain, removal, superseded, worked
+from clearance.cli._following import AsJson, as_ended, case, counts, judged, moment, plain, superseded, worked
 from clearance.cli._service import PATIENCE, SERVICE, Patience, Service, Token, numbered, opened
 
 if TYPE_CHECKING:
+    from clearance.cli._ended import EndedRun
     from clearance.client import Client
     from clearance.client.answers import Finding, RunDetail, Signoff
 
@@ -29,21 +30,21 @@ def show(
         if as_json:
             typer.echo(json.dumps(found.document, indent=2))
             return
-        findings = client.findings(found)
-        parts = [*_head(found), *_checks(found), *_sureness(found), *_findings(found, findings)]
+        findings, ended = client.findings(found), as_ended(client, found)
+        parts = [*_head(found, ended), *_checks(found), *judged(ended), *_findings(found, findings)]
         parts += _likely(client, found, findings)
         signed = client.signoffs(found)
         missing = [f"Not signed off: {plain(signed.not_carried)}"] if signed.not_carried else []
         typer.echo("\n".join([*parts, *map(_signoff, signed.items), *missing, client.link(found)]))
 
 
-def _head(found: RunDetail) -> list[str]:
+def _head(found: RunDetail, ended: EndedRun) -> list[str]:
     from campaigns.identity.identity import Identity
     from campaigns.results.verdict import headline
 
     state = headline(found.verdict, found.not_sampled) if found.verdict else found.state
     lines = [f"{found.id} {state.capitalize()}: {plain(found.name)}"]
-    stated = (found.reason, found.error, found.waits, superseded(found), removal(found))
+    stated = (found.reason, found.error, found.waits, superseded(found), *ended.notes)
     lines += [plain(text) for text in stated if text]
     if found.stage is not None:
         lines.append(f"Running: {found.stage.kind} {found.stage.method or ''}".rstrip())
@@ -58,8 +59,6 @@ def _head(found: RunDetail) -> list[str]:
     lines.append(f"By {plain(found.owner)}" + (f" (token {found.token})" if found.token else ""))
     if found.labels:
         lines.append("Labels: " + ", ".join(f"{key}={value}" for key, value in found.labels.items()))
-    if found.baseline is not None:
-        lines.append(found.baseline.sentence)
     return lines
 
 
@@ -69,11 +68,6 @@ def _checks(found: RunDetail) -> list[str]:
         f"  {check.standing:5}  {check.title}: {plain(check.text)}{f'; {plain(check.but)}' if check.but else ''}"
         for check in checks
     ]
-
-
-def _sureness(found: RunDetail) -> list[str]:
-    stated = None if found.summary is None else found.summary.sureness
-    return [] if stated is None else [f"{plain(stated.text)}."]
 
 
 def _findings(found: RunDetail, findings: list[Finding]) -> list[str]:

@@ -143,6 +143,7 @@ def as_ended(service: Client, found: RunDetail, reused: str | None = None) -> En
         quantity=found.quantity,
         unit=found.unit,
         threshold=found.threshold,
+        lowest=found.worst_cost,
         requirements=tuple(one["id"] for one in criterion.get("requirements", [])),
     )
 
@@ -278,6 +279,7 @@ def _ended(service: Client, found: RunDetail, ended: EndedRun) -> list[str]:
         lines = ["Cancelled: no verdict", *filter(None, [superseded(found) or plain(found.error or "")])]
     else:
         lines = ["Failed: no verdict", plain(found.error or "no reason is recorded")]
+    lines += filter(None, [ended.unconfirmed])
     return [*lines, *map(plain, ended.notes), *judged(ended), service.link(found)]
 
 

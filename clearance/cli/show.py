@@ -44,7 +44,7 @@ def _head(found: RunDetail, ended: EndedRun) -> list[str]:
 
     state = headline(found.verdict, found.not_sampled) if found.verdict else found.state
     lines = [f"{found.id} {state.capitalize()}: {plain(found.name)}"]
-    stated = (found.reason, found.error, found.waits, superseded(found), *ended.notes)
+    stated = (found.reason, found.error, ended.unconfirmed, found.waits, superseded(found), *ended.notes)
     lines += [plain(text) for text in stated if text]
     if found.stage is not None:
         lines.append(f"Running: {found.stage.kind} {found.stage.method or ''}".rstrip())

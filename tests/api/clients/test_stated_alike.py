@@ -1,17 +1,25 @@
-"""What one place of the command line states of a run, the others state as well: `show`, `follow`, the files of a job."""
+"""What one place states of a run, the others state as well: `show`, `follow`, the files of a CI job, the page."""
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable
 from pathlib import Path
+from xml.etree import ElementTree as Xml
 
 import pytest
+import sqlalchemy as sa
 
+from backend.db.tables import Run
+from campaigns.claims.numbers import signed
 from campaigns.claims.say import say
+from campaigns.claims.spans import words
+from campaigns.claims.unconfirmed import unconfirmed
 from campaigns.results.regression import FindingChange, Regression, Standing
-from clearance.cli import VIOLATED, invoke
+from clearance.cli import INTERNAL, VIOLATED, invoke
 from tests.given.reported_runs import PARAMETERS, finish_fully
 from tests.given.service import Service
+from tests.given.small_catalogue import campaign
 from tests.given.submissions import submit
 
 Command = Callable[..., int]
@@ -66,3 +74,33 @@ def test_what_the_policy_decides_is_stated_by_every_command(
     assert [line for line in stated if line not in texts["show"].splitlines()] == []
     for line in ("Changes since R-0009", "F2 has no value.", f"The exit code is {code}: "):
         assert line in texts["show"]
+
+
+@pytest.mark.parametrize("state", ["cancelled", "failed"])
+@pytest.mark.parametrize("lowest", [0.2, 0.5, 0.4999999999, 0.6], ids=["below", "at", "just below", "above"])
+def test_a_value_at_or_below_the_threshold_is_stated_wherever_the_run_without_verdict_is(
+    service: Service, command: Command, tmp_path: Path, capsys: pytest.CaptureFixture[str], state: str, lowest: float
+) -> None:
+    with service.signed_in() as client:
+        run = submit(client, criterion=campaign()["criterion"] | {"requirements": ["SYS-1"]})
+        with service.engine.begin() as writer:
+            writer.execute(sa.update(Run).values(state=state, error="It ended.", worst_cost=lowest, finished=1.0))
+        texts = places(command, tmp_path, capsys, 130 if state == "cancelled" else INTERNAL)
+        stated = words(unconfirmed(state, lowest, 0.5, "m"))
+        assert (stated == "") == (lowest > 0.5)
+        detail = client.get(f"/api/v1/runs/{run}").json()
+        report = re.sub("<[^>]*>", "", client.get(f"/api/v1/runs/{run}/report.html").text)
+    numbers = [span["value"] for span in detail["unconfirmed"] if span["kind"] == "quantity"]
+    assert numbers == ([lowest, 0.5] if stated else []), "the page writes them"
+    found = " ".join(report.replace("\u202f", " ").split())
+    for name, text in (texts | {"report": found}).items():
+        assert stated in text, name
+        assert ("lowest value found" in text) == bool(stated), name
+    cases = {str(case.get("name")): case[0] for case in Xml.fromstring(texts["junit"]).iter("testcase")}
+    verdict, requirement = cases["verdict"], cases["requirement: SYS-1"]
+    assert stated in str(verdict.get("message"))
+    expected = ("failure", "inconclusive") if stated else ("error", state)
+    assert (requirement.tag, requirement.get("type")) == expected
+    assert stated in str(requirement.get("message"))
+    assert command("runs") == 0
+    assert f"{signed(lowest - 0.5)} m" in capsys.readouterr().out

@@ -19,6 +19,7 @@ from clearance.cli import WrongInputError, on_disk, refusing
 from clearance.cli._ended import Case, EndedRun, Source, changes, read, sureness
 from clearance.cli._exports import LIST, refuse_to_replace
 from clearance.cli._exports import save as save_into
+from clearance.local.citation import lines as citing
 
 if TYPE_CHECKING:
     from datetime import datetime
@@ -127,6 +128,7 @@ def as_ended(service: Client, found: RunDetail, reused: str | None = None) -> En
     criterion = (document.get("campaign") or {}).get("criterion") or {}
     stated = document["summary"] if found.state == RunState.DONE else None
     code = document.get("identity")  # an earlier version of the service sends none
+    extends = citing({"run": found.continues}) if found.continues else []
     return EndedRun(
         run=found.id,
         identity=None if code is None else Identity.model_validate(code),
@@ -137,7 +139,7 @@ def as_ended(service: Client, found: RunDetail, reused: str | None = None) -> En
         link=service.link(found),
         replay=f"clearance replay --service {shlex.quote(service.address)} {found.id}",
         labels=found.labels,
-        notes=tuple(filter(None, [reused, "" if compared is None else compared.sentence, removal(found)])),
+        notes=tuple(filter(None, [reused, *extends, "" if compared is None else compared.sentence, removal(found)])),
         seconds=worked(found),
         compared=compared is None or compared.run is not None,
         quantity=found.quantity,

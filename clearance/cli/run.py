@@ -31,6 +31,7 @@ if TYPE_CHECKING:
     from campaigns import Campaign
     from campaigns.results import Verdict
     from clearance.cli._continue import Execute
+    from clearance.local.citation import Cited
     from clearance.local.likelihood import Likelihoods
     from worker.engine.stages.parts.store import Store
     from worker.running.runs.store import MemoryStore
@@ -92,9 +93,10 @@ def run(
         from clearance.cli._continue import execute_continued
 
         code.of_results(onward, allow_code)
-        campaign, store, verdict, cites = execute_continued(
+        campaign, store, verdict, cites, labels = execute_continued(
             onward, budget, data, database, execute, partial(refuse_other_results, replaced)
         )
+        options = options._replace(labels=labels)
     else:
         assert file is not None
         campaign = code.read(file, allow_code)
@@ -143,7 +145,7 @@ def run(
         from clearance.cli._report import print_report
 
         print_report(campaign, store, verdict, out, cites, note, likely)
-    ended = _ended(campaign, store, verdict, out, options, note, file, likely)
+    ended = _ended(campaign, store, verdict, out, options, note, file, likely, cites)
     try:
         options.write(ended)
     except WrongInputError as error:
@@ -155,12 +157,16 @@ def run(
 
 def _ended(
     campaign: Campaign, store: MemoryStore, verdict: Verdict, out: Path | None, options: launch.Launch, note: str,
-    file: Path | None, likely: Likelihoods,
+    file: Path | None, likely: Likelihoods, cites: Cited | None,
 ) -> EndedRun:  # fmt: skip
     from campaigns.identity.identity import identity_of, simulator_of
+    from clearance.local.citation import lines as citing
 
+    begun = _failed("", campaign, options, note, file, out)
     return replace(
-        _failed("", campaign, options, note, file, out),
+        begun,
+        run=(cites or {}).get("as", begun.run),
+        notes=(*([] if cites is None else citing(cites)), *begun.notes),
         state=RunState.DONE,
         verdict=verdict,
         replay="" if out is None else _replay(campaign, out),

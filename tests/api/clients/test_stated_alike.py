@@ -104,3 +104,19 @@ def test_a_value_at_or_below_the_threshold_is_stated_wherever_the_run_without_ve
     assert stated in str(requirement.get("message"))
     assert command("runs") == 0
     assert f"{signed(lowest - 0.5)} m" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize("state", ["done", "cancelled"])
+def test_what_a_run_extends_is_stated_wherever_the_run_is(
+    service: Service, command: Command, tmp_path: Path, capsys: pytest.CaptureFixture[str], state: str
+) -> None:
+    with service.signed_in() as client:
+        submit(client)
+    finish_fully(service)
+    with service.signed_in() as client:
+        submit(client, name="earlier")
+    with service.engine.begin() as writer:
+        values = {"continues": 2} if state == "done" else {"continues": 2, "state": state, "verdict": None}
+        writer.execute(sa.update(Run).where(Run.id == 1).values(**values))
+    for name, text in places(command, tmp_path, capsys, 0 if state == "done" else 130).items():
+        assert "Extends R-0002." in text, name

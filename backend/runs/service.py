@@ -33,8 +33,8 @@ from campaigns.asked.sample_bound import bound
 from campaigns.checked import best_bound
 from campaigns.checked.expected import computing
 from campaigns.claims import earlier
+from campaigns.claims.lowest_value import unconfirmed
 from campaigns.claims.stages.sample import STATED_SEED, Drawn, so_far
-from campaigns.claims.unconfirmed import unconfirmed
 from campaigns.limits import DRAWS
 from campaigns.results import Verdict, verdicts
 from campaigns.results.remedies import Ran

@@ -117,8 +117,8 @@ class EndedRun:
     @property
     def unconfirmed(self) -> str:
         """The sentence on a value at or below the threshold that no verdict confirms; empty if there is none."""
+        from campaigns.claims.lowest_value import unconfirmed
         from campaigns.claims.spans import words
-        from campaigns.claims.unconfirmed import unconfirmed
 
         return words(unconfirmed(self.state, self.lowest, self.threshold, self.unit))
 

@@ -282,10 +282,10 @@ def _ended(service: Client, found: RunDetail, ended: EndedRun) -> list[str]:
     else:
         lines = ["Failed: no verdict", plain(found.error or "no reason is recorded")]
     lines += filter(None, [ended.unconfirmed])
-    return [*lines, *map(plain, ended.notes), *judged(ended), service.link(found)]
+    return [*lines, *map(plain, ended.notes), *verdict_lines(ended), service.link(found)]
 
 
-def judged(ended: EndedRun) -> list[str]:
+def verdict_lines(ended: EndedRun) -> list[str]:
     """How sure the search is, the changes since the baseline and what the policy decides on them; empty without a
     verdict."""
     return [] if ended.verdict is None else list(map(plain, [*sureness(ended.verdict), *changes(ended.verdict)]))

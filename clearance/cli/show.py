@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from clearance.cli._ended import read
-from clearance.cli._following import AsJson, as_ended, case, counts, judged, moment, plain, superseded, worked
+from clearance.cli._following import AsJson, as_ended, case, counts, moment, plain, superseded, verdict_lines, worked
 from clearance.cli._service import PATIENCE, SERVICE, Patience, Service, Token, numbered, opened
 
 if TYPE_CHECKING:
@@ -31,7 +31,7 @@ def show(
             typer.echo(json.dumps(found.document, indent=2))
             return
         findings, ended = client.findings(found), as_ended(client, found)
-        parts = [*_head(found, ended), *_checks(found), *judged(ended), *_findings(found, findings)]
+        parts = [*_head(found, ended), *_checks(found), *verdict_lines(ended), *_findings(found, findings)]
         parts += _likely(client, found, findings)
         signed = client.signoffs(found)
         missing = [f"Not signed off: {plain(signed.not_carried)}"] if signed.not_carried else []

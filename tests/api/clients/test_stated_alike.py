@@ -11,10 +11,10 @@ import pytest
 import sqlalchemy as sa
 
 from backend.db.tables import Run
+from campaigns.claims.lowest_value import unconfirmed
 from campaigns.claims.numbers import signed
 from campaigns.claims.say import say
 from campaigns.claims.spans import words
-from campaigns.claims.unconfirmed import unconfirmed
 from campaigns.results.regression import FindingChange, Regression, Standing
 from clearance.cli import INTERNAL, VIOLATED, invoke
 from tests.given.reported_runs import PARAMETERS, finish_fully
@@ -72,8 +72,8 @@ def test_what_the_policy_decides_is_stated_by_every_command(
     texts = places(command, tmp_path, capsys, code)
     stated = texts["follow"].splitlines()[1:]
     assert [line for line in stated if line not in texts["show"].splitlines()] == []
-    for line in ("Changes since R-0009", "F2 has no value.", f"The exit code is {code}: "):
-        assert line in texts["show"]
+    made = since(fails)
+    assert all(text in texts["show"] for text in (made.text, made.cases[1].text, f" {code}: "))
 
 
 @pytest.mark.parametrize("state", ["cancelled", "failed"])

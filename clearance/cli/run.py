@@ -7,6 +7,7 @@ it (`clearance.cli._ended`). A run that fails, such as one whose simulator gives
 from __future__ import annotations
 
 import json
+import math
 import shlex
 from collections.abc import Callable
 from dataclasses import replace
@@ -38,7 +39,13 @@ if TYPE_CHECKING:
 
 
 class _FailedRunError(Exception):
-    """A run cannot begin or go on; the message says why."""
+    """A run cannot begin or go on; the message says why.
+
+    lowest: the lowest value that it had found; None if there is none."""
+
+    def __init__(self, why: str, lowest: float | None) -> None:
+        super().__init__(why)
+        self.lowest = lowest
 
 
 def run(
@@ -115,7 +122,8 @@ def run(
         try:
             campaign, store, verdict = _fresh(file, campaign, announced, sample_seed)
         except _FailedRunError as error:
-            _report_failed(f"{error}", campaign, options, note, file, out, as_json)
+            failed = _failed(f"{error}", campaign, options, note, file, out)
+            _report_failed(replace(failed, lowest=error.lowest, unit=_unit(campaign)), options, as_json)
             raise typer.Exit(INTERNAL) from None
         cites = None
     from clearance.local.likelihood import likelihoods
@@ -235,17 +243,29 @@ def _fresh(
         with interrupt.explained(store):
             return campaign, store, execute(campaign, store, lambda: False)
     except CampaignUnusable as error:
-        raise _FailedRunError("; ".join(map(str, error.problems))) from None
+        values = [float(value) for chunks in store.chunks.values() for columns in chunks for value in columns.ranked()]
+        lowest = min(filter(math.isfinite, values), default=None)
+        raise _FailedRunError("; ".join(map(str, error.problems)), lowest) from None
 
 
-def _report_failed(
-    error: str, campaign: Campaign, options: launch.Launch, note: str, file: Path, out: Path | None, as_json: bool
-) -> None:
-    """Print why there is no verdict, and write the requested files."""
+def _unit(campaign: Campaign) -> str:
+    """The unit of the criterion."""
+    from worker.running.catalogue.installed import catalogue
+
+    criterion, known = campaign.criterion, catalogue()
+    if campaign.simulator is None:
+        return next((c.unit for c in known.components if (c.role, c.name) == ("criterion", criterion.component)), "")
+    results = next((s.results for s in known.simulators if s.name == campaign.simulator.name), ())
+    return next((result.unit for result in results if result.name == criterion.result), "")
+
+
+def _report_failed(failed: EndedRun, options: launch.Launch, as_json: bool) -> None:
+    """Print why there is no verdict and what was found all the same, and write the requested files."""
     if as_json:
-        typer.echo(json.dumps({"campaign": campaign.name, "state": RunState.FAILED, "error": error}, indent=2))
-    typer.echo(f"Failed: no verdict\n{error}", err=True)
-    options.write(_failed(error, campaign, options, note, file, out))
+        stated = {"campaign": failed.campaign, "state": RunState.FAILED, "error": failed.error}
+        typer.echo(json.dumps(stated | ({"unconfirmed": text} if (text := failed.unconfirmed) else {}), indent=2))
+    typer.echo("\n".join(filter(None, ["Failed: no verdict", failed.error, failed.unconfirmed])), err=True)
+    options.write(failed)
 
 
 def _failed(
@@ -255,6 +275,7 @@ def _failed(
         "" if out is None else str(out), campaign.name, RunState.FAILED, None, error, labels=options.labels,
         notes=(note,) if note else (), compared=campaign.baseline is not None or not options.baseline,
         source=_source(file, options), requirements=tuple(one.id for one in campaign.criterion.requirements),
+        threshold=campaign.criterion.threshold,
     )  # fmt: skip
 
 

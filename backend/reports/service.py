@@ -108,6 +108,7 @@ def _context(record: Record) -> dict[str, object]:
             "icon": icon,
             "sentence": sentence,
             "error": run.error,
+            "unconfirmed": run.unconfirmed,
             "sureness": () if verdict is None or verdict.sureness is None else verdict.sureness.statement,
         },
         "scope": () if verdict is None else verdict.holds_for,

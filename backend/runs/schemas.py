@@ -10,6 +10,7 @@ from backend.catalog.schemas import CriterionOut
 from backend.http.schema import Instant, Schema
 from backend.runs.sample_kind import BoundSource
 from campaigns import Catalogue
+from campaigns.claims.spans import Spans
 from campaigns.documents import JsonObject
 from campaigns.identity.identity import Identity
 from campaigns.results import Verdict
@@ -265,6 +266,9 @@ class RunDetail(RunSummary):
     """Empty until a worker has started the run."""
     summary: RunVerdict | None
     """The verdict with its evidence; null until there is one."""
+    unconfirmed: Spans = ()
+    """Of a cancelled or failed run: the sentence on its lowest value, where that is at or below the threshold and thus
+    speaks against a requirement without a verdict; empty otherwise."""
     untraced: str
     """Of a simulator: why no trace is stored, sentences; empty if one is, and for any other run."""
     rate: float | None

@@ -33,6 +33,7 @@ from campaigns.asked.sample_bound import bound
 from campaigns.checked import best_bound
 from campaigns.checked.expected import computing
 from campaigns.claims import earlier
+from campaigns.claims.lowest_value import unconfirmed
 from campaigns.claims.stages.sample import STATED_SEED, Drawn, so_far
 from campaigns.limits import DRAWS
 from campaigns.results import Verdict, verdicts
@@ -97,6 +98,7 @@ def detail(reader: sa.Connection, run_id: int) -> RunDetail:
         ],
         stages=stages,
         summary=_verdict(reader, run_id, campaign, parts, base.failed_evaluations),
+        unconfirmed=unconfirmed(base.state, base.worst_cost, base.threshold, base.unit),
         untraced="" if campaign.simulator is None else no_trace(reader, run_id),
         rate=pace.rate,
         remaining=pace.remaining,

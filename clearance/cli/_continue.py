@@ -16,7 +16,7 @@ from typing import NamedTuple
 import sqlalchemy as sa
 from pydantic import ValidationError
 
-from backend.db import codes, evaluations_ahead, snapshots
+from backend.db import codes, evaluations_ahead, labels, snapshots
 from backend.db import continuation as stored
 from backend.db.engine import connected, migrate, read, write
 from backend.db.queue import LEASE, Claim, LostLease, Queue
@@ -44,12 +44,13 @@ Execute = Callable[[Campaign, Store, Callable[[], bool]], Verdict]
 
 
 class Continued(NamedTuple):
-    """The new run: its campaign, its stored data, its verdict, and the run that it extends."""
+    """The new run: its campaign, its stored data, its verdict, the run that it extends, its labels if it is stored."""
 
     campaign: Campaign
     store: MemoryStore
     verdict: Verdict
     cites: Cited
+    labels: dict[str, str]
 
 
 @dataclass(frozen=True)
@@ -102,7 +103,7 @@ def _of_folder(folder: Path, budget: Budget, execute: Execute, accept: Callable[
     accept(onward)
     memory = preloaded(onward, columns, store.sample_seed)
     with explained(memory):
-        return Continued(onward, memory, execute(onward, memory, lambda: False), earlier.cited)
+        return Continued(onward, memory, execute(onward, memory, lambda: False), earlier.cited, {})
 
 
 def _of_database(
@@ -127,7 +128,8 @@ def _of_database(
         verdict = _under_lease(engine, claim, onward, execute)
         with read(engine) as connection:
             memory = _snapshot(connection, claim.run_id)
-        return Continued(onward, memory, verdict, earlier.cited | {"as": run_name(claim.run_id)})
+            labelled = labels.of_runs(connection, [claim.run_id]).get(claim.run_id, {})
+        return Continued(onward, memory, verdict, earlier.cited | {"as": run_name(claim.run_id)}, labelled)
 
 
 def _earlier(engine: sa.Engine, run_id: int) -> _Earlier:

@@ -95,6 +95,8 @@ class EndedRun:
     quantity: str = ""
     unit: str = ""
     threshold: float | None = None
+    lowest: float | None = None
+    """The lowest value that it found [unit]; None if it is not known."""
     findings: tuple[Case, ...] = ()
     """The worst first."""
     source: Source | None = None
@@ -111,6 +113,20 @@ class EndedRun:
         if not found and worst is not None:
             found = (Case(worst.finding, worst.cost, worst.margin, worst.parameters, worst.evaluated),)
         return tuple(case for case in found if case.margin <= 0)
+
+    @property
+    def unconfirmed(self) -> str:
+        """The sentence on a value at or below the threshold that no verdict confirms; empty if there is none."""
+        from campaigns.claims.lowest_value import unconfirmed
+        from campaigns.claims.spans import words
+
+        return words(unconfirmed(self.state, self.lowest, self.threshold, self.unit))
+
+    @property
+    def no_verdict(self) -> str:
+        """Why there is no verdict, and what was found all the same."""
+        text = f"no verdict: {self.state}" + (f": {self.error}" if self.error else "")
+        return f"{text.rstrip('.')}. {self.unconfirmed}" if self.unconfirmed else text
 
     @property
     def accepted(self) -> bool:

@@ -19,6 +19,7 @@ from clearance.cli import WrongInputError, on_disk, refusing
 from clearance.cli._ended import Case, EndedRun, Source, changes, read, sureness
 from clearance.cli._exports import LIST, refuse_to_replace
 from clearance.cli._exports import save as save_into
+from clearance.local.citation import lines as citing
 
 if TYPE_CHECKING:
     from datetime import datetime
@@ -70,7 +71,7 @@ def follow_to_the_end(
     except UnreachableError:
         typer.echo(CONTINUES.format(run=run), err=True)
         raise
-    ended = _as_ended(service, found, reused)
+    ended = as_ended(service, found, reused)
     # Before the files, which the service may be unable to deliver.
     typer.echo(json.dumps(found.document, indent=2) if as_json else "\n".join(_ended(service, found, ended)))
     lost: WrongInputError | None = None
@@ -118,7 +119,7 @@ def _cancelled(service: Client, run: str) -> str:
     return f"{run} was cancelled, because this command was ended"
 
 
-def _as_ended(service: Client, found: RunDetail, reused: str | None) -> EndedRun:
+def as_ended(service: Client, found: RunDetail, reused: str | None = None) -> EndedRun:
     """The run as its files state it; an earlier version of the service has no labels and no baseline."""
     from campaigns.identity.identity import Identity
     from campaigns.results import Verdict
@@ -127,6 +128,7 @@ def _as_ended(service: Client, found: RunDetail, reused: str | None) -> EndedRun
     criterion = (document.get("campaign") or {}).get("criterion") or {}
     stated = document["summary"] if found.state == RunState.DONE else None
     code = document.get("identity")  # an earlier version of the service sends none
+    extends = citing({"run": found.continues}) if found.continues else []
     return EndedRun(
         run=found.id,
         identity=None if code is None else Identity.model_validate(code),
@@ -137,12 +139,13 @@ def _as_ended(service: Client, found: RunDetail, reused: str | None) -> EndedRun
         link=service.link(found),
         replay=f"clearance replay --service {shlex.quote(service.address)} {found.id}",
         labels=found.labels,
-        notes=tuple(filter(None, [reused, "" if compared is None else compared.sentence, removal(found)])),
+        notes=tuple(filter(None, [reused, *extends, "" if compared is None else compared.sentence, removal(found)])),
         seconds=worked(found),
         compared=compared is None or compared.run is not None,
         quantity=found.quantity,
         unit=found.unit,
         threshold=found.threshold,
+        lowest=found.worst_cost,
         requirements=tuple(one["id"] for one in criterion.get("requirements", [])),
     )
 
@@ -284,7 +287,11 @@ def _ended(service: Client, found: RunDetail, ended: EndedRun) -> list[str]:
         lines = ["Cancelled: no verdict", *filter(None, [superseded(found) or plain(found.error or "")])]
     else:
         lines = ["Failed: no verdict", plain(found.error or "no reason is recorded")]
-    lines += map(plain, ended.notes)
-    if ended.verdict is not None:
-        lines += [*sureness(ended.verdict), *changes(ended.verdict)]
-    return [*lines, service.link(found)]
+    lines += filter(None, [ended.unconfirmed])
+    return [*lines, *map(plain, ended.notes), *verdict_lines(ended), service.link(found)]
+
+
+def verdict_lines(ended: EndedRun) -> list[str]:
+    """How sure the search is, the changes since the baseline and what the policy decides on them; empty without a
+    verdict."""
+    return [] if ended.verdict is None else list(map(plain, [*sureness(ended.verdict), *changes(ended.verdict)]))

@@ -64,8 +64,7 @@ def junit(ended: EndedRun) -> str:
 def _verdict(suite: Xml.Element, ended: EndedRun) -> None:
     case, verdict = _added(suite, ended, "verdict"), ended.verdict
     if verdict is None:
-        message = f"no verdict: {ended.state}" + (f": {ended.error}" if ended.error else "")
-        _ended(case, "error", message, *ended.notes, ended.link, kind=ended.state)
+        _ended(case, "error", ended.no_verdict, *ended.notes, ended.link, kind=ended.state)
         return
     if verdict.verdict == "cleared" or ended.accepted:
         Xml.SubElement(case, "system-out").text = _clean("\n".join([verdict.reason, *ended.notes]))
@@ -106,7 +105,10 @@ def _violating(ended: EndedRun, verdict: Verdict) -> str:
 def _requirement(suite: Xml.Element, ended: EndedRun, requirement: str) -> None:
     """Evidence of this run alone: other campaigns may state the requirement, and the run is not signed off yet."""
     case, verdict = _added(suite, ended, f"requirement: {requirement}"), ended.verdict
-    if verdict is None:
+    if ended.unconfirmed:
+        message = f"inconclusive: the run is {ended.state}. {ended.unconfirmed}"
+        _ended(case, "failure", message, ended.error, ended.link, kind="inconclusive")
+    elif verdict is None:
         _ended(case, "error", f"no evidence: {ended.state}", ended.link, kind=ended.state)
     elif verdict.verdict == "cleared":
         text = f"{verdict.sentence}\nEvidence of this run alone; the matrix of requirements has all runs."

@@ -30,7 +30,8 @@ def markdown(ended: EndedRun) -> str:
     run = f"[{_text(ended.run)}]({ended.link})" if ended.link else _text(ended.run)
     lines = [f"## {SIGNS[ended.code]} {_text(ended.campaign)}: {_text(ended.outcome)}"]
     if verdict is None:
-        lines.append(f"{run or 'The run'} {_text(ended.state)}. {_text(ended.error)}")
+        lines.append(f"{run or 'The run'} {_text(ended.state)}. {_text(ended.error)}".rstrip())
+        lines.append(_text(ended.unconfirmed))
     else:
         stated = ", ".join(filter(None, [f"**{verdict.headline.capitalize()}**", run]))
         lines.append(f"{stated}. {_text(verdict.reason)}")

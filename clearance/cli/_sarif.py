@@ -86,7 +86,7 @@ def _invocation(ended: EndedRun) -> dict[str, object]:
     if ended.outcome:
         found["exitCode"] = ended.code
     if ended.verdict is None:
-        message = {"text": f"no verdict: {ended.state}{': ' + ended.error if ended.error else ''}"}
+        message = {"text": ended.no_verdict}
         found["toolExecutionNotifications"] = [{"level": "error", "message": message}]
     return found
 
@@ -114,8 +114,8 @@ def _properties(ended: EndedRun) -> dict[str, object]:
 
 def _results(ended: EndedRun, known: Mapping[str, Place]) -> Iterator[dict[str, object]]:
     if ended.verdict is None:
-        text = f"No verdict: {ended.state}. {ended.error}".strip()
-        yield _result(ended, known, NO_VERDICT, "", "error", text, ())
+        text = ended.no_verdict
+        yield _result(ended, known, NO_VERDICT, "", "error", text[:1].upper() + text[1:], ())
         return
     violated = ended.verdict.verdict == "violated"
     for case in ended.violating:

@@ -7,6 +7,7 @@ it (`clearance.cli._ended`). A run that fails, such as one whose simulator gives
 from __future__ import annotations
 
 import json
+import math
 import shlex
 from collections.abc import Callable
 from dataclasses import replace
@@ -31,13 +32,20 @@ if TYPE_CHECKING:
     from campaigns import Campaign
     from campaigns.results import Verdict
     from clearance.cli._continue import Execute
+    from clearance.local.citation import Cited
     from clearance.local.likelihood import Likelihoods
     from worker.engine.stages.parts.store import Store
     from worker.running.runs.store import MemoryStore
 
 
 class _FailedRunError(Exception):
-    """A run cannot begin or go on; the message says why."""
+    """A run cannot begin or go on; the message says why.
+
+    lowest: the lowest value that it had found; None if there is none."""
+
+    def __init__(self, why: str, lowest: float | None) -> None:
+        super().__init__(why)
+        self.lowest = lowest
 
 
 def run(
@@ -92,9 +100,10 @@ def run(
         from clearance.cli._continue import execute_continued
 
         code.of_results(onward, allow_code)
-        campaign, store, verdict, cites = execute_continued(
+        campaign, store, verdict, cites, labels = execute_continued(
             onward, budget, data, database, execute, partial(refuse_other_results, replaced)
         )
+        options = options._replace(labels=labels)
     else:
         assert file is not None
         campaign = code.read(file, allow_code)
@@ -113,7 +122,8 @@ def run(
         try:
             campaign, store, verdict = _fresh(file, campaign, announced, sample_seed)
         except _FailedRunError as error:
-            _report_failed(f"{error}", campaign, options, note, file, out, as_json)
+            failed = _failed(f"{error}", campaign, options, note, file, out)
+            _report_failed(replace(failed, lowest=error.lowest, unit=_unit(campaign)), options, as_json)
             raise typer.Exit(INTERNAL) from None
         cites = None
     from clearance.local.likelihood import likelihoods
@@ -143,7 +153,7 @@ def run(
         from clearance.cli._report import print_report
 
         print_report(campaign, store, verdict, out, cites, note, likely)
-    ended = _ended(campaign, store, verdict, out, options, note, file, likely)
+    ended = _ended(campaign, store, verdict, out, options, note, file, likely, cites)
     try:
         options.write(ended)
     except WrongInputError as error:
@@ -155,12 +165,16 @@ def run(
 
 def _ended(
     campaign: Campaign, store: MemoryStore, verdict: Verdict, out: Path | None, options: launch.Launch, note: str,
-    file: Path | None, likely: Likelihoods,
+    file: Path | None, likely: Likelihoods, cites: Cited | None,
 ) -> EndedRun:  # fmt: skip
     from campaigns.identity.identity import identity_of, simulator_of
+    from clearance.local.citation import lines as citing
 
+    begun = _failed("", campaign, options, note, file, out)
     return replace(
-        _failed("", campaign, options, note, file, out),
+        begun,
+        run=(cites or {}).get("as", begun.run),
+        notes=(*([] if cites is None else citing(cites)), *begun.notes),
         state=RunState.DONE,
         verdict=verdict,
         replay="" if out is None else _replay(campaign, out),
@@ -230,17 +244,29 @@ def _fresh(
         with interrupt.explained(store):
             return campaign, store, execute(campaign, store, lambda: False)
     except CampaignUnusable as error:
-        raise _FailedRunError("; ".join(map(str, error.problems))) from None
+        values = [float(value) for chunks in store.chunks.values() for columns in chunks for value in columns.ranked()]
+        lowest = min(filter(math.isfinite, values), default=None)
+        raise _FailedRunError("; ".join(map(str, error.problems)), lowest) from None
 
 
-def _report_failed(
-    error: str, campaign: Campaign, options: launch.Launch, note: str, file: Path, out: Path | None, as_json: bool
-) -> None:
-    """Print why there is no verdict, and write the requested files."""
+def _unit(campaign: Campaign) -> str:
+    """The unit of the criterion."""
+    from worker.running.catalogue.installed import catalogue
+
+    criterion, known = campaign.criterion, catalogue()
+    if campaign.simulator is None:
+        return next((c.unit for c in known.components if (c.role, c.name) == ("criterion", criterion.component)), "")
+    results = next((s.results for s in known.simulators if s.name == campaign.simulator.name), ())
+    return next((result.unit for result in results if result.name == criterion.result), "")
+
+
+def _report_failed(failed: EndedRun, options: launch.Launch, as_json: bool) -> None:
+    """Print why there is no verdict and what was found all the same, and write the requested files."""
     if as_json:
-        typer.echo(json.dumps({"campaign": campaign.name, "state": RunState.FAILED, "error": error}, indent=2))
-    typer.echo(f"Failed: no verdict\n{error}", err=True)
-    options.write(_failed(error, campaign, options, note, file, out))
+        stated = {"campaign": failed.campaign, "state": RunState.FAILED, "error": failed.error}
+        typer.echo(json.dumps(stated | ({"unconfirmed": text} if (text := failed.unconfirmed) else {}), indent=2))
+    typer.echo("\n".join(filter(None, ["Failed: no verdict", failed.error, failed.unconfirmed])), err=True)
+    options.write(failed)
 
 
 def _failed(
@@ -250,6 +276,7 @@ def _failed(
         "" if out is None else str(out), campaign.name, RunState.FAILED, None, error, labels=options.labels,
         notes=(note,) if note else (), compared=campaign.baseline is not None or not options.baseline,
         source=_source(file, options), requirements=tuple(one.id for one in campaign.criterion.requirements),
+        threshold=campaign.criterion.threshold,
     )  # fmt: skip
 
 

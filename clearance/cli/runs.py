@@ -35,7 +35,7 @@ def runs(
     token_file: Token = "",
     patience: Patience = PATIENCE,
 ) -> None:
-    """List the runs of a service: number, verdict or state, worst margin, start, code, name, labels."""
+    """List the runs of a service: number, verdict or state, lowest margin found, start, code, name, labels."""
     import itertools
     import json
 
@@ -59,7 +59,7 @@ def _row(run: Run) -> list[str]:
     from campaigns.versions import SHORT
     from clearance.cli._following import ended_as, moment, plain
 
-    margin = "" if run.margin is None or not run.verdict else f"{signed(run.margin)} {run.unit}".rstrip()
+    margin = "" if run.margin is None else f"{signed(run.margin)} {run.unit}".rstrip()
     unread = run.document.get("unidentified")
     labels = " ".join(f"{key}={value}" for key, value in run.labels.items())
     return [

@@ -8,10 +8,22 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from clearance.cli._ended import read
-from clearance.cli._following import AsJson, case, counts, ended_as, moment, plain, removal, superseded, worked
+from clearance.cli._following import (
+    AsJson,
+    as_ended,
+    case,
+    counts,
+    ended_as,
+    moment,
+    plain,
+    superseded,
+    verdict_lines,
+    worked,
+)
 from clearance.cli._service import PATIENCE, SERVICE, Patience, Service, Token, numbered, opened
 
 if TYPE_CHECKING:
+    from clearance.cli._ended import EndedRun
     from clearance.client import Client
     from clearance.client.answers import Finding, RunDetail, Signoff
 
@@ -29,19 +41,19 @@ def show(
         if as_json:
             typer.echo(json.dumps(found.document, indent=2))
             return
-        findings = client.findings(found)
-        parts = [*_head(found), *_checks(found), *_sureness(found), *_findings(found, findings)]
+        findings, ended = client.findings(found), as_ended(client, found)
+        parts = [*_head(found, ended), *_checks(found), *verdict_lines(ended), *_findings(found, findings)]
         parts += _likely(client, found, findings)
         signed = client.signoffs(found)
         missing = [f"Not signed off: {plain(signed.not_carried)}"] if signed.not_carried else []
         typer.echo("\n".join([*parts, *map(_signoff, signed.items), *missing, client.link(found)]))
 
 
-def _head(found: RunDetail) -> list[str]:
+def _head(found: RunDetail, ended: EndedRun) -> list[str]:
     from campaigns.identity.identity import Identity
 
     lines = [f"{found.id} {ended_as(found).capitalize()}: {plain(found.name)}"]
-    stated = (found.reason, found.error, found.waits, superseded(found), removal(found))
+    stated = (found.reason, found.error, ended.unconfirmed, found.waits, superseded(found), *ended.notes)
     lines += [plain(text) for text in stated if text]
     if found.stage is not None:
         lines.append(f"Running: {found.stage.kind} {found.stage.method or ''}".rstrip())
@@ -56,8 +68,6 @@ def _head(found: RunDetail) -> list[str]:
     lines.append(f"By {plain(found.owner)}" + (f" (token {found.token})" if found.token else ""))
     if found.labels:
         lines.append("Labels: " + ", ".join(f"{key}={value}" for key, value in found.labels.items()))
-    if found.baseline is not None:
-        lines.append(found.baseline.sentence)
     return lines
 
 
@@ -67,11 +77,6 @@ def _checks(found: RunDetail) -> list[str]:
         f"  {check.standing:5}  {check.title}: {plain(check.text)}{f'; {plain(check.but)}' if check.but else ''}"
         for check in checks
     ]
-
-
-def _sureness(found: RunDetail) -> list[str]:
-    stated = None if found.summary is None else found.summary.sureness
-    return [] if stated is None else [f"{plain(stated.text)}."]
 
 
 def _findings(found: RunDetail, findings: list[Finding]) -> list[str]:

@@ -37,16 +37,19 @@ const MEANINGS: readonly Meaning[] = [
   },
 ]
 
+const UNCONFIRMED =
+  'A value at or below the threshold that it found is stated all the same: it speaks against a requirement, although no verdict confirms it.'
+
 const STATES: readonly Meaning[] = [
   {
     outcome: 'failed',
     says: 'The run itself failed after up to three attempts, or after it had lost ten workers. Its page shows the reason.',
-    not: 'It is not a result about the avoidance system.',
+    not: `The failure is not a result about the avoidance system. ${UNCONFIRMED}`,
   },
   {
     outcome: 'cancelled',
     says: 'Cancelled by a user, or by the next run of its concurrency group. Completed evaluations are kept.',
-    not: 'A cancelled run has no verdict.',
+    not: `A cancelled run has no verdict. ${UNCONFIRMED}`,
   },
 ]
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 import shutil
 from collections.abc import Iterator
 from dataclasses import replace
@@ -12,6 +13,7 @@ import httpx
 import pytest
 import sqlalchemy as sa
 
+from backend.db import labels
 from backend.db.digest import results_digest
 from backend.db.engine import connect, default_url, read
 from backend.db.tables import Base, CampaignRow, EvaluationChunk, Run
@@ -244,3 +246,32 @@ def test_the_record_has_all_results_and_nothing_else(service: Service, client: h
         assert {*sa.inspect(here).get_table_names()} == names < {*Base.metadata.tables} | names
     engine.dispose()
     assert {c.name for c in Run.__table__.columns} > PRIVATE
+
+
+@pytest.mark.nightly
+def test_the_files_of_a_job_name_the_stored_run_that_extends_another_one(
+    served: Service, tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """As the output does, and as `follow` and `show` of the new run do."""
+    with served.engine.begin() as writer:
+        labels.store(writer, 1, {"branch": "main"})
+    monkeypatch.setenv("CLEARANCE_SERVICE", served.url)
+    files = {name: tmp_path / name for name in ("junit", "summary", "sarif")}
+    wanted = [part for name in files for part in (f"--{name}", str(files[name]))]
+    onward = ["run", "--continue", RUN, "--budget", "+10", "--data", str(served.settings.data)]
+    places = {}
+    for command in ([*onward, "--out", "extended"], ["follow", "R-0002"]):
+        code, output = printed(capsys, *command, *wanted)
+        assert code in CODES.values()
+        places |= {f"{command[0]} {name}": file.read_text() for name, file in files.items()} | {command[0]: output}
+    places["show"] = printed(capsys, "show", "R-0002")[1]
+    for place, text in places.items():
+        assert re.search(rf"[Ee]xtends {RUN}\b", text), place
+        assert "R-0002" in text, place
+        assert "main" in text or place in ("run", "follow"), place
+    assert [json.loads(places[f"{one} sarif"])["runs"][0]["properties"]["run"] for one in ("run", "follow")] == [
+        "R-0002"
+    ] * 2
+    for one in ("run", "follow"):
+        assert '<property name="run" value="R-0002" />' in places[f"{one} junit"]
+        assert '<property name="label.branch" value="main" />' in places[f"{one} junit"]

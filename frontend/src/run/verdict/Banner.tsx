@@ -31,9 +31,13 @@ export function Banner({ data }: { data: RunData }) {
           </HelpLink>
           <HelpLink to="/help/evidence">What a verdict rests on</HelpLink>
         </span>
-        <p>
-          {run.verdict ? <Spans spans={summary?.statement ?? [words(run.reason ?? '')]} /> : reasonOf(run, outcome)}
-        </p>
+        {run.verdict ? (
+          <p>
+            <Spans spans={summary?.statement ?? [words(run.reason ?? '')]} />
+          </p>
+        ) : (
+          <WithoutVerdict run={run} outcome={outcome} />
+        )}
         {run.verdict && summary?.sureness && (
           <p className="sec" data-testid="sureness">
             <Spans spans={[...summary.sureness.statement, words('.')]} />
@@ -126,12 +130,26 @@ const sentence = (text: string): string => `${text.charAt(0).toUpperCase()}${tex
 const successor = (run: RunDetail): string =>
   run.superseded_by && run.group ? ` ${run.superseded_by} superseded it in the group ${run.group}.` : ''
 
+/** Why there is no verdict, and the lowest value where it is at or below the threshold. */
+export function WithoutVerdict({ run, outcome }: { run: RunDetail; outcome: Outcome }) {
+  return (
+    <>
+      <p>{reasonOf(run, outcome)}</p>
+      {run.unconfirmed.length > 0 && (
+        <p data-testid="unconfirmed">
+          <Spans spans={run.unconfirmed} exact />
+        </p>
+      )}
+    </>
+  )
+}
+
 function reasonOf(run: RunDetail, outcome: Outcome): string {
   if (outcome === 'cancelled' && run.evaluations === 0)
     return `The run was cancelled before its first evaluation ended.${successor(run)} There are no results.`
   if (outcome === 'cancelled')
-    return `The run was cancelled after ${count(run.evaluations)} evaluations, ${withoutValue(run)}; the run would take at most ${count(run.planned)}.${successor(run)} Completed evaluations are shown below; they support no claim about the avoidance system.`
+    return `The run was cancelled after ${count(run.evaluations)} evaluations, ${withoutValue(run)}; the run would take at most ${count(run.planned)}.${successor(run)} Completed evaluations are shown below${run.unconfirmed.length > 0 ? '' : '; they support no claim about the avoidance system'}.`
   // The reason of a run that failed after several attempts already states how many.
   const attempts = run.attempts > 1 && !run.error?.includes('attempt') ? ` It was tried ${run.attempts} times.` : ''
-  return `${sentence(run.error ?? 'the run ended without a verdict')}${attempts} This is not a result about the avoidance system.`
+  return `${sentence(run.error ?? 'the run ended without a verdict')}${attempts}${run.unconfirmed.length > 0 ? '' : ' This is not a result about the avoidance system.'}`
 }

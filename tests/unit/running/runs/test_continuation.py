@@ -152,7 +152,7 @@ def test_a_folder_is_extended_without_repeating_an_evaluation(
     new, old = written(out), written(first)
     assert new["continues"] == {"run": str(first), "digest": old["digest"]}
     assert new["digest"] != old["digest"]
-    assert f"Continues {first}" in capsys.readouterr().out
+    assert f"Extends {first}" in capsys.readouterr().out
     stages, before = read_folder(out)[1], read_folder(first)[1]
     kept = fresh = 0
     for position, record in enumerate(stages.stages[:-1]):

@@ -24,6 +24,7 @@ from worker.running.examination.kernels import Slot, kernels
 from worker.running.examination.mistake import Mistake
 from worker.running.examination.reading import Source
 from worker.running.examination.scenes import Own, nominal, scenes, usual
+from worker.running.examination.turns import check_rate
 
 STEP, STEPS = 0.01, 12
 """Step [s] and number of steps."""
@@ -43,8 +44,11 @@ def flown(component: Component, source: Source, own: Own) -> Calls:
     for slot in kernels(component):
         if isinstance(component, Obstacle) and slot.field == "body" and _code(slot.function) in calls:
             values = {p.name: usual(p, "obstacles.0") for p in declared(component.parameters)}
+            arguments = calls[_code(slot.function)][0]
             with contextlib.suppress(ArithmeticError):  # a body need not be known so far away
-                check_reach(component, calls[_code(slot.function)][0], values, source.line_of("reach"))
+                check_reach(component, arguments, values, source.line_of("reach"))
+            with contextlib.suppress(ArithmeticError):  # nor after so long
+                check_rate(component, arguments, values, source.line_of("rate"))
         if slot.field == "switches":
             _check_switches(component, slot, source)
     return calls

@@ -3,70 +3,22 @@
 from __future__ import annotations
 
 import dataclasses
-from typing import Annotated, Any, NamedTuple
+from typing import Any
 
 import pytest
 
-from tests.unit.engine.systems.test_beyond import GOAL, HORIZON, beyond, place
-from worker.engine.kernels.component import Obstacle, Parameter, Rate, Reach
-from worker.engine.kernels.maths import kernel, norm2, sincos
-from worker.engine.kernels.views import Body
-from worker.engine.physics.shapes import outward, rectangle
-from worker.engine.physics.vectors import round_body
+from tests.given.beyond_horizon import GOAL, HORIZON, beyond, place
+from tests.given.late_obstacles import JIB, LEGS, ORBIT, TRAIN
+from worker.engine.kernels.component import Obstacle, Rate
 from worker.engine.systems.closed_loop.parts import Installed
 from worker.running.catalogue.entries import component_entry
 from worker.running.catalogue.installed import components, installed, source_of
 from worker.running.opening import opened
 
 LATE = 7.7 * HORIZON
-NEVER = 1e6
-
-
-class Train(NamedTuple):
-    position_x: Annotated[float, Parameter("m", "Start, x", -1e6, 1e6, name="position.x")]
-    position_y: Annotated[float, Parameter("m", "Start, y", -1e6, 1e6, name="position.y")]
-    goal_x: Annotated[float, Parameter("m", "Goal, x", -1e6, 1e6, name="goal.x")]
-    goal_y: Annotated[float, Parameter("m", "Goal, y", -1e6, 1e6, name="goal.y")]
-    speed: Annotated[float, Parameter("m/s", "Speed", 0.0, 1e3)] = 1.0
-    radius: Annotated[float, Parameter("m", "Radius", 0.0, 1e3)] = 0.1
-    at: Annotated[float, Parameter("s", "Departure", -1e6, 1e6)] = 0.0
-    back: Annotated[float, Parameter("s", "Departure from the goal", 0.0, 1e6)] = NEVER
-
-
-@kernel
-def train(t: float, o: tuple[()], q: Any, p: Train) -> Any:
-    dx, dy = p.goal_x - p.position_x, p.goal_y - p.position_y
-    takes = norm2(dx, dy) / (p.speed + 1e-12)
-    there, returned = (t - p.at) / takes, (t - p.back) / takes
-    there, returned = min(max(there, 0.0), 1.0), min(max(returned, 0.0), 1.0)
-    along = there - returned
-    return round_body((p.position_x + along * dx, p.position_y + along * dy), (0.0, 0.0), p.radius, q)
-
-
-class Jib(NamedTuple):
-    position_x: Annotated[float, Parameter("m", "Pivot, x", -1e6, 1e6, name="position.x")]
-    position_y: Annotated[float, Parameter("m", "Pivot, y", -1e6, 1e6, name="position.y")]
-    radius: Annotated[float, Parameter("m", "Half the width", 1e-3, 1e5)] = 0.1
-    length: Annotated[float, Parameter("m", "Length", 1e-3, 1e5)] = 12.0
-    omega: Annotated[float, Parameter("rad/s", "Turn rate", -10.0, 10.0)] = 0.02
-    at: Annotated[float, Parameter("s", "Start", 0.0, 1e6)] = 0.0
-
-
-@kernel
-def jib(t: float, o: tuple[()], q: Any, p: Jib) -> Any:
-    sin, cos = sincos(p.omega * max(t - p.at, 0.0))
-    dx, dy = q[0] - p.position_x, q[1] - p.position_y
-    gap, nx, ny = rectangle(outward(dx * cos + dy * sin, 0.5 * p.length), outward(dy * cos - dx * sin, p.radius))
-    return Body(p.position_x, p.position_y, 0.0, 0.0, 0.5 * p.length, gap, nx * cos - ny * sin, nx * sin + ny * cos)
-
-
-LEGS = Rate(("speed",), legs=("position", "goal"))
-TRAIN = Obstacle("train", "Train", 2, Train, train, moving=True, reach=Reach(("radius",)), rate=LEGS)
-JIB = Obstacle("jib", "Jib", 2, Jib, jib, moving=True, reach=Reach(("length",), 0.52), rate=Rate(("omega",)))
-ORBIT: Any = components()["obstacle", "orbiting_circle"]
-CIRCLING = {"centre": place(40.0, 40.0), "way": 5.0, "speed": 1.0}
-TO_GOAL = {"position": place(GOAL[0] + 6.0, GOAL[1]), "goal": place(GOAL[0] - 6.0, GOAL[1])}
-AWAY = {"position": place(60.0, 7.0), "goal": place(90.0, 7.0)}
+CIRCLING: dict[str, Any] = {"centre": place(40.0, 40.0), "way": 5.0, "speed": 1.0}
+TO_GOAL: dict[str, Any] = {"position": place(GOAL[0] + 6.0, GOAL[1]), "goal": place(GOAL[0] - 6.0, GOAL[1])}
+AWAY: dict[str, Any] = {"position": place(60.0, 7.0), "goal": place(90.0, 7.0)}
 
 
 def known(

@@ -30,6 +30,9 @@ SLACK = 1e-3
 STILL = 1e-9
 """Of its distance from the origin, within an interval: what moves less is at rest."""
 
+SUCH = {"velocity": 'Rate(("speed",), ("way",))', "shape": 'Rate(("omega",))'}
+"""A rate of each that is usual."""
+
 
 class _Turned(NamedTuple):
     """By how much the velocity or the shape turns [rad], and within what time [s]."""
@@ -57,7 +60,7 @@ def check_rate(obstacle: Obstacle, arguments: tuple[object, ...], values: dict[s
                 raise Mistake(
                     f"rate is {declared:.4g} rad/s with the nominal values, and its {found.what} turns by "
                     f"{found.angle:.4g} rad within {found.within:.4g} s: declare a rate of at least "
-                    f'{found.angle / found.within:.4g} rad/s then, such as Rate(("speed",), ("way",)), or none',
+                    f"{found.angle / found.within:.4g} rad/s with these values, such as {SUCH[found.what]}, or no rate",
                     line,
                 )
 

@@ -48,13 +48,24 @@ def lasting(rate: RateEntry, values: Intervals) -> float:
     return 2.0 * math.pi / highest if highest else 0.0
 
 
+def corners(rate: RateEntry, values: Mapping[str, float]) -> list[tuple[float, ...]]:
+    """The corners that a path of legs has with these values [m], in their order; none of another motion."""
+    used = rate.legs[: _count(rate, values[rate.used] if rate.used else 0.0) + 1]
+    return [tuple(values[f"{name}.{axis}"] for axis in "xyz" if f"{name}.{axis}" in values) for name in used]
+
+
+def _count(rate: RateEntry, used: float) -> int:
+    """How many legs are used; used: the value of the parameter that states it."""
+    return int(used + 0.5) if rate.used else len(rate.legs)
+
+
 def _top(rate: RateEntry, values: Intervals) -> float:
     return rate.times * math.prod(max(abs(low), abs(high)) for low, high in (values[name] for name in rate.of))
 
 
 def _lengths(rate: RateEntry, values: Intervals) -> Iterator[float]:
     """The shortest length within these intervals of each leg that may have a length [m]."""
-    count = int(values[rate.used][1] + 0.5) if rate.used else len(rate.legs)
+    count = _count(rate, values[rate.used][1] if rate.used else 0.0)
     for begin, end in list(pairwise(rate.legs))[:count]:
         ends = [(values[f"{begin}.{a}"], values[f"{end}.{a}"]) for a in "xyz" if f"{begin}.{a}" in values]
         if any(a != b or a[0] != a[1] for a, b in ends):

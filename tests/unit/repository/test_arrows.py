@@ -126,7 +126,13 @@ MAY: dict[str, tuple[str, ...]] = {
     ),
     # In a process of its own, which the catalogue starts by its name.
     "worker.running.examination": (
-        *("worker.engine.kernels", "worker.engine.components.own", "worker.engine.systems.closed_loop.assemble"),
+        *(
+            "campaigns.catalogue",
+            "campaigns.checked.rates",
+            "worker.engine.kernels",
+            "worker.engine.components.own",
+            "worker.engine.systems.closed_loop.assemble",
+        ),
         *("worker.engine.systems.simulators.declared.external", "worker.engine.systems.simulators.declared.outside"),
     ),
     "worker.running.skeletons": ("worker.engine.kernels",),

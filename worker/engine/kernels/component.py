@@ -188,13 +188,14 @@ class Reach:
 
 @dataclass(frozen=True)
 class Rate:
-    """How fast a prescribed motion turns [rad/s]: within pi over the rate its velocity turns by at most half a turn.
+    """How fast a prescribed motion turns [rad/s]: within pi over the rate its velocity, and its shape, each turn by at
+    most half a turn.
 
     `times` the product of the magnitudes of the parameters `of`, over those of `per`: Rate(("speed",), ("way",)) on a
     circle. A path of straight legs between corners turns at most once in the time of its shortest leg:
     Rate(("speed",), legs=("position", "goal")); `used` is the parameter with the number of legs, `stops` of one leg the
-    derived constant with the instant at which it ends [s]. Like `Reach` it is data. A straight motion that never ends
-    has Rate(times=0.0).
+    derived constant with the instant at which it ends [s]. Like `Reach` it is data. A straight motion that never
+    ends, of a shape that does not turn, has Rate(times=0.0).
     """
 
     of: tuple[str, ...] = ()

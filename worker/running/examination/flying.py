@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from worker.engine.kernels.bind import rebuilt
-from worker.engine.kernels.component import Component, Controller, Obstacle
+from worker.engine.kernels.component import Component, Controller, Obstacle, declared
 from worker.engine.kernels.layout import Parts, states
 from worker.engine.kernels.text.names import UnnamedError
 from worker.engine.systems.closed_loop.assemble import Loop
@@ -23,7 +23,8 @@ from worker.running.examination.extents import check_reach
 from worker.running.examination.kernels import Slot, kernels
 from worker.running.examination.mistake import Mistake
 from worker.running.examination.reading import Source
-from worker.running.examination.scenes import Own, nominal, scenes
+from worker.running.examination.scenes import Own, nominal, scenes, usual
+from worker.running.examination.turns import check_rate
 
 STEP, STEPS = 0.01, 12
 """Step [s] and number of steps."""
@@ -45,6 +46,10 @@ def flown(component: Component, source: Source, own: Own) -> Calls:
         if isinstance(component, Obstacle):
             check_reach(component, _states(component, parts, trace), STEP * LONG, source.line_of("reach"))
     for slot in kernels(component):
+        if isinstance(component, Obstacle) and slot.field == "body" and _code(slot.function) in calls:
+            values = {p.name: usual(p, "obstacles.0") for p in declared(component.parameters)}
+            with contextlib.suppress(ArithmeticError):  # a body need not be known after so long
+                check_rate(component, calls[_code(slot.function)][0], values, source.line_of("rate"))
         if slot.field == "switches":
             _check_switches(component, slot, source)
     return calls

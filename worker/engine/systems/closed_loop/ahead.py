@@ -94,7 +94,7 @@ class Ahead:
     def extent(self, obstacle: int) -> float | None:
         """What the criterion subtracts from the distance to an obstacle's centre, at most [m]; None if unknown."""
         parts, body = self._flights.parts, self._body(obstacle, self._place)
-        surface, reach = parts.criterion.measured_to == "surface", parts.obstacles[obstacle].reach
+        surface = parts.criterion.measured_to == "surface"
         away = math.dist(_centre(body, self._axes), self._place[: self._axes])
         less = self._parameter("criterion.body_radius") if surface else 0.0
         distance = (body.gap if surface else away) - less
@@ -103,20 +103,42 @@ class Ahead:
             return None  # a criterion of its own
         if not surface:
             return 0.0
+        reach = self.reach(obstacle)
+        return None if reach is None else reach + less
+
+    def reach(self, obstacle: int) -> float | None:
+        """The largest distance of a point inside an obstacle from its centre [m]; None if it is not declared."""
+        reach = self._flights.parts.obstacles[obstacle].reach
         if reach is None:
             return None
-        return reach.times * math.hypot(*(self._parameter(f"obstacles.{obstacle}.{name}") for name in reach.of)) + less
+        return reach.times * math.hypot(*(self._parameter(f"obstacles.{obstacle}.{name}") for name in reach.of))
+
+    def away(self, place: Floats) -> float:
+        """How far the vehicle is from a place at the last sample [m]."""
+        return float(np.linalg.norm(place - self._place))
 
     def leans(self, obstacle: int, begin: Floats, end: Floats) -> bool:
         """Whether an obstacle's centre depends on the place from which it is seen on a line."""
         centres = [_centre(self._body(obstacle, begin + k * (end - begin)), self._axes) for k in (0.0, 0.3, 0.7, 1.0)]
         return any(math.dist(centre, centres[0]) > SAME * (1.0 + math.hypot(*centre)) for centre in centres)
 
-    def _body(self, obstacle: int, place: Floats) -> Any:
-        """An obstacle at the last sample, as seen from a place."""
+    def carried(self, obstacle: int, leg: Leg, times: tuple[float, float, int]) -> Floats:
+        """The criterion's channel of one obstacle from a place that moves along a line; times: the first after it
+        begins, the interval [s], and how many."""
+        line = _Line(leg.begins, leg.place, leg.velocity, leg.velocity)
+        return self._along(line, *times)[:, self._first + obstacle]
+
+    def gap(self, obstacle: int, place: Floats, after: float) -> float:
+        """The distance from a place to an obstacle's surface, some time after the last sample [m]."""
+        return float(self._body(obstacle, place, after).gap)
+
+    def _body(self, obstacle: int, place: Floats, after: float = 0.0) -> Any:
+        """An obstacle some time after the last sample, as seen from a place."""
         states = self._loop.states
         o = tuple(map(float, self._state[states.total - states.obstacles :]))
-        return self._loop.part("bodies")(self._time, o, tuple(map(float, place[: self._axes])), self._p)[obstacle]
+        return self._loop.part("bodies")(self._time + after, o, tuple(map(float, place[: self._axes])), self._p)[
+            obstacle
+        ]
 
     def _parameter(self, path: str) -> float:
         at = self._flights.paths.get(path)

@@ -22,6 +22,7 @@ from worker.engine.systems.closed_loop.ahead import Ahead, Leg
 from worker.engine.systems.closed_loop.flights import Flights
 from worker.engine.systems.closed_loop.onward import Motion, Onward, Path, leaves, motion
 from worker.engine.systems.closed_loop.trace import Seen
+from worker.engine.systems.closed_loop.uniform import pivots, uniform
 
 MEMORY = 2**23
 """The states of the flights that are simulated at a time may take this many bytes."""
@@ -169,15 +170,19 @@ def _extrapolated(flights: Flights, row: Floats, trace: Floats, last: int, below
     halfway = last - max(1, round(0.5 * flights.counts(flights.step)[0]))
     states = any(obstacle.states for obstacle in flights.parts.obstacles)
     before = _seen(flights, row, trace, halfway - 1, halfway) if states and halfway > 0 else seen
+    begun = _seen(flights, row, trace, 0, 0) if states else seen
     ahead = Ahead(flights, row, trace[last], seen, time, below)
     for i, obstacle in enumerate(flights.parts.obstacles):
         closing = bool(seen.deciding[1, i] < seen.deciding[0, i])
-        centres = np.concatenate([before.centres[:, i], seen.centres[:, i]])
-        moves = motion(flights, row, i, time, centres, closing)
+        centres = np.concatenate([begun.centres[:1, i], before.centres[:, i], seen.centres[:, i]])
+        onward = Onward(flights, row, trace[last], time, i)
+        moves = motion(onward, centres, closing)
         end = _End(flights, seen, i, last, ahead)
         if moves.kind == "followed":
-            yield from end.followed(Onward(flights, row, trace[last], time, i), moves, below)
+            yield from end.followed(onward, moves, below)
             continue
+        if moves.kind == "straight" and obstacle.moving and not obstacle.states and not uniform(ahead, onward):
+            moves = Motion("unknown")
         straight = [*end.straight(closing)] if closing or not obstacle.states else []
         yield from straight
         if moves.kind == "unknown":
@@ -247,7 +252,12 @@ class _End(NamedTuple):
             found = [*self._bounded(onward, path, below, extent)]
             closer = [each for each in found if each.value < float(np.linalg.norm(path.centres[0] - here)) - extent]
         yield from closer
-        if not path.whole and not leaves(path, here):
+        known = path.whole or leaves(path, here)
+        if path.rests:
+            known = uniform(self.ahead, onward, float(path.times[-1]), rests=True) if path.whole else False
+        if path.still and not path.whole and moves.lasts and not moves.corners:
+            known = pivots(self.ahead, onward, moves.lasts)
+        if not known:
             yield min(found, key=_value)._replace(known=False)
 
     def _closer(self, legs: Sequence[Leg], drift: Floats | None) -> Iterator[Approach]:

@@ -8,11 +8,12 @@ whole turn if it repeats. One with states is known only while it is at rest or k
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from typing import Literal, NamedTuple
 
 import numpy as np
 
-from campaigns.checked.rates import fastest, lasting
+from campaigns.checked.rates import corners, fastest, lasting
 from campaigns.limits import CONTINUED, ROUNDING
 from worker.engine.systems.base import Floats
 from worker.engine.systems.closed_loop.flights import Flights
@@ -22,6 +23,8 @@ SAMPLES, FINER = 1000, 64
 MOST = 4 * SAMPLES
 REFINED = 16
 """So many intervals are divided at most."""
+FAR = 397.3
+"""So many horizons later the mean of a velocity is taken; no round number, because motions may repeat."""
 STEADY = 1e-3
 """A velocity has not changed if it differs by this fraction at most."""
 
@@ -30,30 +33,40 @@ Kind = Literal["straight", "followed", "unknown"]
 
 class Motion(NamedTuple):
     """How an obstacle moves on: on a straight line, or standing still; along a path that is followed; or in an
-    unknown way. lasts: how long its turn or path takes [s]."""
+    unknown way. lasts: how long its turn or path takes [s]; corners: those of a path of legs [m]."""
 
     kind: Kind
     lasts: float = 0.0
+    corners: Sequence[tuple[float, ...]] = ()
 
 
-def motion(flights: Flights, row: Floats, i: int, time: float, centres: Floats, closing: bool) -> Motion:
-    """The motion of obstacle i from a time on [s]; centres (4, 3): at two samples half a horizon ago, and at the last
-    two. closing: whether it approaches at the last one."""
+def motion(onward: Onward, centres: Floats, closing: bool) -> Motion:
+    """The motion of an obstacle from the last sample on; centres (5, 3): at the first sample, at two half a horizon
+    ago, and at the last two. closing: whether it approaches at the last one."""
+    flights, row, i = onward.flights, onward.row, onward.obstacle
     obstacle = flights.parts.obstacles[i]
     entry = flights.installed.catalogue.component("obstacle", obstacle.name)
     if entry is None or not entry.moving:
         return Motion("straight")
     if obstacle.states:
-        away = not closing and _steady(centres[:2], centres[2:])
-        return Motion("straight" if away or _at_rest(centres[2:], flights) else "unknown")
+        return Motion("straight" if _known(centres, closing, flights) else "unknown")
     if entry.rate is None:
         return Motion("followed")
-    values = {q.name: (v := row[flights.paths[f"obstacles.{i}.{q.name}"]], v) for q in entry.parameters}
-    lasts = lasting(entry.rate, values)
-    over = bool(entry.rate.legs) and time >= lasts and _same(centres[2], centres[3])
-    if over or fastest(entry.rate, values) == 0.0:
+    values = {q.name: row[flights.paths[f"obstacles.{i}.{q.name}"]] for q in entry.parameters}
+    exactly = {name: (value, value) for name, value in values.items()}
+    lasts, path = lasting(entry.rate, exactly), corners(entry.rate, values)
+    rests = bool(path) and _same(centres[3], centres[4])
+    if fastest(entry.rate, exactly) == 0.0 or (rests and onward.arrived(centres[4], path)):
         return Motion("straight")
-    return Motion("followed", 2.0 * lasts if entry.rate.legs else lasts)  # there and back
+    return Motion("followed", 2.0 * lasts if path else lasts, path)  # there and back
+
+
+def _known(centres: Floats, closing: bool, flights: Flights) -> bool:
+    """Whether an obstacle with states has come to rest, or moves away at a constant velocity. One that was never seen
+    to move may only be waiting."""
+    if _at_rest(centres[3:], flights):
+        return not _same(centres[0], centres[4])
+    return not closing and _steady(centres[1:3], centres[3:])
 
 
 def _steady(before: Floats, now: Floats) -> bool:
@@ -68,49 +81,86 @@ def _at_rest(now: Floats, flights: Flights) -> bool:
     return bool(np.linalg.norm(now[1] - now[0]) * horizons <= ROUNDING * max(1.0, float(np.linalg.norm(now[1]))))
 
 
+def _moves(centres: Floats) -> bool:
+    """Whether places differ."""
+    return not all(_same(centres[0], centre) for centre in (centres.min(axis=0), centres.max(axis=0)))
+
+
 def _same(one: Floats, other: Floats) -> bool:
     return bool(np.linalg.norm(other - one) <= 1e-12 * (1.0 + np.linalg.norm(other)))
 
 
 class Path(NamedTuple):
-    """The centre of an obstacle at equal intervals of time, and whether more of it is known: it repeats, or is over."""
+    """The centre of an obstacle at equal intervals of time, and whether more of it is known: it repeats, or is over and
+    rests from then on."""
 
     times: Floats
     """Since the last sample [s]."""
     centres: Floats
     whole: bool
+    rests: bool = False
+    """Whether it is at rest at the end."""
+
+    @property
+    def still(self) -> bool:
+        """Whether the centre never moves."""
+        return not _moves(self.centres)
 
 
 class Onward:
     """The motion of a flight's obstacle after its last sample, with the vehicle where it was then."""
 
     def __init__(self, flights: Flights, row: Floats, state: Floats, time: float, i: int) -> None:
-        self._flights, self._row, self._state, self._time = flights, row, state, time
+        self.flights, self.row, self.obstacle = flights, row, i
+        self._state, self._time = state, time
         first = 3 * (i - len(flights.parts.obstacles)) - flights.loop.channels.total
         self._columns = slice(first, first + 3)
 
     def path(self, moves: Motion) -> Path:
         """Its path for a turn; one that does not repeat is followed for as long as flights are simulated, if this is
         longer."""
-        longer = CONTINUED * self._flights.campaign.given_scenario.horizon
-        begun = self._over(moves.lasts) if moves.lasts else None
+        longer = CONTINUED * self.flights.campaign.given_scenario.horizon
+        begun = self._over(moves.lasts, moves) if moves.lasts else None
         if begun is not None and (begun.whole or moves.lasts >= longer):
             return begun
-        return self._over(longer, moves.lasts)
+        return self._over(longer, moves)
 
-    def _over(self, length: float, turn: float | None = None) -> Path:
+    def _over(self, length: float, moves: Motion) -> Path:
         # The interval divides the time so far, because the loop is observed at multiples of a step.
         first = max(1, round(self._time * SAMPLES / length))
         step = self._time / first
         count = min(math.ceil(length / step), MOST)
         found = self._centres(step, first, count + 2)
-        end = round((length if turn is None else turn) / step)
-        whole = 0 < end <= count and _repeats(found, end)
-        return Path(step * np.arange(count + 1, dtype=np.float64), found[:-1], whole or _same(found[-2], found[-1]))
+        end, rests = round(moves.lasts / step), _same(found[-2], found[-1])
+        whole = (0 < end <= count and _repeats(found, end)) or (rests and self._ended(found, moves.corners))
+        return Path(step * np.arange(count + 1, dtype=np.float64), found[:-1], whole, rests)
+
+    def _ended(self, path: Floats, ends: Sequence[tuple[float, ...]]) -> bool:
+        """Whether rest is the end of a motion: one that was not seen may still begin."""
+        return self.arrived(path[-1], ends) if ends else _moves(path) or self._moved()
+
+    def arrived(self, place: Floats, ends: Sequence[tuple[float, ...]]) -> bool:
+        """Whether an obstacle that rests at a place has reached the last corner of its path; where it ends at its
+        first one, only if it was seen elsewhere before."""
+        last = np.array(ends[-1])
+        near = ROUNDING * (1.0 + float(np.abs(ends).max(initial=0.0)))
+        if not last.size or np.linalg.norm(place[: last.size] - last) > near:
+            return False
+        return bool(np.linalg.norm(last - ends[0]) > near) or self._moved()
+
+    def _moved(self) -> bool:
+        """Whether it was seen to move since the simulation began."""
+        return _moves(self._centres(self._time / SAMPLES, 0, SAMPLES + 1))
+
+    def drift(self, after: float) -> tuple[Floats, Floats]:
+        """Its centre some time after the last sample, and the mean of its velocity for long after that."""
+        begin, far = self._time + after, FAR * self.flights.campaign.given_scenario.horizon
+        place = self._centres(begin, 1, 1)[0]
+        return place, (self._centres(begin + far, 1, 1)[0] - place) / far
 
     def _centres(self, step: float, first: int, count: int) -> Floats:
         states = np.broadcast_to(self._state, (count, len(self._state)))
-        return self._flights.loop.observe(states, self._row, step, first)[:, self._columns]
+        return self.flights.loop.observe(states, self.row, step, first)[:, self._columns]
 
     def nearest(
         self, path: Path, position: Floats, velocity: Floats, lasts: float, below: float
@@ -141,7 +191,9 @@ class Onward:
 
 
 def _repeats(centres: Floats, end: int) -> bool:
-    """Whether place and velocity are again what they were, as exactly as the intervals can tell."""
+    """Whether place and velocity are again what they were, as exactly as the intervals can tell; not those at rest."""
+    if not _moves(centres[: end + 1]):
+        return False
     moved, bend = np.diff(centres[: end + 2], axis=0), _bend(centres[: end + 2])
     place = np.linalg.norm(centres[end] - centres[0]) <= np.linalg.norm(moved, axis=1).max()
     return bool(place and np.linalg.norm(moved[end - 1] - moved[0]) <= 2.0 * bend.max() + 1e-12)

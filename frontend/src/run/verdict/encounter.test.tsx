@@ -4,9 +4,11 @@ import { expect, it, vi } from 'vitest'
 import { run } from '../../../tests/fixtures'
 import type { Encounter } from '../../client'
 import { asCampaign } from '../../api/campaign'
-import { EncounterCard } from './EncounterCard'
 
 vi.mock('../../help/links', () => ({ HelpLink: () => null }))
+// Files share their modules: one before this may have loaded the card with real links.
+vi.resetModules()
+const { EncounterCard } = await import('./EncounterCard')
 
 const shown = (changes: object, measured_to = 'centre') => {
   const encounter = {

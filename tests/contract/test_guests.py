@@ -69,7 +69,8 @@ steady = circle.component.body
 @kernel
 def body(t, o, q, p):
     found, shift = steady(t, o, q, p), 0.001 * random.random()
-    return Body(found.x + shift, found.y, found.vx, found.vy, found.radius, found.gap, found.nx, found.ny)
+    gap = found.gap + shift  # no surface beyond the reach
+    return Body(found.x + shift, found.y, found.vx, found.vy, found.radius, gap, found.nx, found.ny)
 
 component = replace(circle.component, name="restless", body=body)
 '''

@@ -255,7 +255,7 @@ def fetched(home: Home, run: str) -> str:
 
 def swept(reader: sa.Connection, run_id: int) -> str:
     (found,) = outcomes(reader, [Run.id == run_id])
-    return next(csv.reader([",".join(map(str, sheet._row(SweepPoint(value=1.0, run=found.id, outcome=found))))]))[-3]
+    return next(csv.reader([",".join(map(str, sheet._row(SweepPoint(value=1.0, run=found.id, outcome=found))))]))[-4]
 
 
 def matrix(home: Home, run: str) -> str:

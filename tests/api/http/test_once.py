@@ -72,7 +72,6 @@ def test_every_write_is_safe_to_repeat() -> None:
         assert ("Idempotency-Key" in headers) == (name in KEYED.keys() | ONWARD), name
 
 
-@pytest.mark.by_day(8)
 @pytest.mark.parametrize("write", NATURAL, ids=" ".join)
 def test_repeated_by_nature_it_changes_nothing(service: Service, client: httpx.Client, write: tuple[str, str]) -> None:
     prepare, statuses = NATURAL[write]
@@ -86,7 +85,6 @@ def test_repeated_by_nature_it_changes_nothing(service: Service, client: httpx.C
         assert state(service) == before
 
 
-@pytest.mark.by_day(3)
 @pytest.mark.parametrize("write", KEYED, ids=" ".join)
 def test_repeated_with_its_key_it_makes_nothing(service: Service, client: httpx.Client, write: tuple[str, str]) -> None:
     sent = KEYED[write](client)
@@ -187,7 +185,6 @@ def test_a_request_is_not_done_again_after_a_restart(fresh: Fresh, tmp_path: Pat
     assert found[0].json() == found[1].json()
 
 
-@pytest.mark.by_day(1)
 @BOTH
 def test_answers_are_forgotten_by_requests_at_the_same_time(
     fresh: Fresh, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
@@ -199,8 +196,6 @@ def test_answers_are_forgotten_by_requests_at_the_same_time(
         assert service.rows()["drafts"] == 24
 
 
-@pytest.mark.nightly
-@pytest.mark.by_day(1)
 @BOTH
 def test_of_requests_at_the_same_time_one_is_done(fresh: Fresh, tmp_path_factory: pytest.TempPathFactory) -> None:
     with running(fresh, tmp_path_factory.mktemp("at once")) as service, service.signed_in() as client:

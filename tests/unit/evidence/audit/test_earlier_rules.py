@@ -36,7 +36,7 @@ from worker.running.runs.store import MemoryStore
 
 VERSIONS = (None, *range(WORDING + 1))
 """Of the sentences; None: before the evidence digest."""
-BY_DAY = (None, 0, 4, 8, WORDING - 1, WORDING)
+BY_DAY = (None, 0, 4, 8, limits.RULES - 1, WORDING)
 """The first and the last ones and two between them."""
 every_version = pytest.mark.parametrize(
     "versions", [pytest.param(BY_DAY, id="by day"), pytest.param(VERSIONS, id="all", marks=pytest.mark.nightly)]

@@ -26,6 +26,7 @@ from worker.engine.rare import earlier, starts
 from worker.engine.rare.alarms import NOTHING
 from worker.engine.rare.estimate import estimated
 from worker.engine.stages import estimate as stage
+from worker.evidence.audit import limits
 from worker.evidence.audit.judge import EARLIER
 from worker.running.runs.runner import execute
 from worker.running.runs.store import MemoryStore
@@ -100,10 +101,12 @@ def test_an_interval_without_the_likely_region_follows_in_no_version(
     assert not stated.alarms
     assert stated.high is not None
     assert stated.high < PROBABILITY / 1000.0
-    for version, folder in copies(copied(made(hidden, store), tmp_path), (4, 8, WORDING - 1, WORDING)):
+    for version, folder in copies(
+        copied(made(hidden, store), tmp_path), (4, 8, limits.RULES - 1, limits.RULES, WORDING)
+    ):
         assert not follows(folder, version), version
         wrong = {item.name for item in folder.items() if not item.agrees}
-        expected = EARLIER if version is not None and version < WORDING else ""
+        expected = EARLIER if version is not None and version < limits.RULES else ""
         assert f"{expected}results.{POSITION}.low" in wrong, version
 
 

@@ -16,7 +16,7 @@ from backend.db.tables import Run
 from campaigns.claims.numbers import signed
 from campaigns.results.finding import HalfStep
 from campaigns.results.verdict import headline
-from clearance.cli import INTERNAL, VIOLATED, WRONG_INPUT, invoke
+from clearance.cli import INTERNAL, VIOLATED, WRONG_INPUT
 from clearance.cli._exports import LIST
 from tests import results
 from tests.given.refused_commands import refusal
@@ -27,15 +27,6 @@ from tests.given.small_catalogue import campaign
 from tests.given.submissions import submit
 
 Command = Callable[..., int]
-
-
-@pytest.fixture
-def command(service: Service, monkeypatch: pytest.MonkeyPatch) -> Command:
-    """The command line, with the service's address and a token in its environment."""
-    monkeypatch.setenv("CLEARANCE_SERVICE", service.url)
-    monkeypatch.setenv("CLEARANCE_TOKEN", service.token())
-    monkeypatch.delenv("GITHUB_STEP_SUMMARY", raising=False)
-    return lambda *arguments: invoke([*map(str, arguments)])
 
 
 @pytest.fixture

@@ -16,7 +16,7 @@ from campaigns.claims.numbers import signed
 from campaigns.claims.say import say
 from campaigns.claims.spans import words
 from campaigns.results.regression import FindingChange, Regression, Standing
-from clearance.cli import INTERNAL, VIOLATED, invoke
+from clearance.cli import INTERNAL, VIOLATED
 from tests.given.reported_runs import PARAMETERS, finish_fully
 from tests.given.service import Service
 from tests.given.small_catalogue import campaign
@@ -24,15 +24,6 @@ from tests.given.submissions import submit
 
 Command = Callable[..., int]
 FILES = ("junit", "summary", "sarif")
-
-
-@pytest.fixture
-def command(service: Service, monkeypatch: pytest.MonkeyPatch) -> Command:
-    """The command line, with the service's address and a token in its environment."""
-    monkeypatch.setenv("CLEARANCE_SERVICE", service.url)
-    monkeypatch.setenv("CLEARANCE_TOKEN", service.token())
-    monkeypatch.delenv("GITHUB_STEP_SUMMARY", raising=False)
-    return lambda *arguments: invoke([*map(str, arguments)])
 
 
 def places(command: Command, folder: Path, capsys: pytest.CaptureFixture[str], code: int) -> dict[str, str]:

@@ -146,9 +146,11 @@ def test_every_method_has_its_colour_of_the_theme(visit: Visit, theme: Literal["
     looks = {name: method.look for name, method in methods().items() if method.look is not None}
     visit.page.emulate_media(color_scheme=theme)
     visit.move("/help")
+    # The theme is set before the application begins, which brings the colours.
+    expect(visit.page.get_by_role("heading", name="Verdicts", level=1)).to_be_visible()
     expect(visit.page.locator("html")).to_have_attribute("data-theme", theme)
-    colour = "(all, name) => getComputedStyle(all).getPropertyValue(`--m-${name}`)"
-    shown = {name: visit.page.locator("html").evaluate(colour, name) for name in looks}
+    colour = "(all, names) => names.map((name) => getComputedStyle(all).getPropertyValue(`--m-${name}`))"
+    shown = dict(zip(looks, visit.page.locator("html").evaluate(colour, [*looks]), strict=True))
     assert shown == {
         name: look.colour if theme == "light" else look.dark or look.colour for name, look in looks.items()
     }

@@ -41,6 +41,7 @@ def _report(reader: sa.Connection, run: RunSummary, unavailable: str | None, sig
         state=run.state,
         verdict=run.verdict,
         not_sampled=run.not_sampled,
+        policy=run.policy,
         finished=run.finished,
         digest=digest,
         signoffs=[one.signoff() for one in signed.get(run_id, UNSIGNED).signatures if one.row.withdrawn is None],

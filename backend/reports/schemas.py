@@ -6,6 +6,7 @@ from typing import Literal
 
 from backend.http.schema import Instant, Schema
 from backend.signoffs.schemas import Signoff
+from campaigns.results.regression import PolicyWord
 from campaigns.results.verdict import VerdictWord
 from campaigns.runs import RunState
 
@@ -33,6 +34,10 @@ class Report(Schema):
     verdict: VerdictWord | None
     not_sampled: bool
     """Whether nothing but an independent sample is missing to clear it."""
+    policy: PolicyWord | None
+    """What the campaign's policy says of the changes since the baseline: `holds`; `fails`, which is exit code 1
+    whatever the verdict; `accepts`, a violated run whose violations were all known. None without a comparison.
+    """
     finished: Instant | None
     digest: str
     """SHA-256 of the results."""

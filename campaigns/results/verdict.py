@@ -13,7 +13,7 @@ from campaigns.codes import CheckCode
 from campaigns.documented import UNLESS_EMPTY, UNLESS_NONE
 from campaigns.limits import SAMPLE
 from campaigns.results.base import Claim, Described, Result, Values, with_spans
-from campaigns.results.regression import OptionalRegression
+from campaigns.results.regression import OptionalRegression, PolicyWord, policy_word
 from campaigns.results.sample import Noise, QuantileBound
 from campaigns.results.sureness import Sureness
 from campaigns.versions import Versions
@@ -180,7 +180,13 @@ class Verdict(Result):
     @property
     def headline(self) -> str:
         """The verdict in large."""
-        return headline(self.verdict, self.not_sampled)
+        return headline(self.verdict, self.not_sampled, self.policy)
+
+    @property
+    def policy(self) -> PolicyWord | None:
+        """What the policy of the campaign says of the changes since the baseline; None without one."""
+        since = self.regression
+        return None if since is None else policy_word(since.ok, since.accepted, self.verdict)
 
     @model_validator(mode="before")
     @classmethod
@@ -196,9 +202,11 @@ class Verdict(Result):
         return f"{self.sentence} {self.scope}".strip()
 
 
-def headline(word: str, lacks_sample: bool | None) -> str:
-    """A verdict in large, with what alone is missing to clear it: `inconclusive: not sampled`."""
-    return f"{word}: not sampled" if lacks_sample else word
+def headline(word: str, lacks_sample: bool | None, policy: str | None) -> str:
+    """A verdict in large, with what alone is missing to clear it, and that the policy on changes since the baseline
+    fails: `inconclusive: not sampled, policy fails`. policy: None where a column or clause of its own states it."""
+    lacking = ": not sampled" if lacks_sample else ""
+    return f"{word}{lacking}{', policy fails' if policy == 'fails' else ''}"
 
 
 def not_sampled(word: str | None, lacking: Sequence[str], drawn: int) -> bool:

@@ -12,7 +12,7 @@ from clearance.cli import CODES, INCONCLUSIVE, INTERNAL, INTERRUPTED, VIOLATED
 if TYPE_CHECKING:
     from campaigns.identity.identity import Identity
     from campaigns.results import Verdict
-    from campaigns.results.regression import FindingChange, PolicyWord, Regression
+    from campaigns.results.regression import FindingChange, Regression
     from campaigns.results.verdicts import DescribedCheck
 
 OUTCOMES = {
@@ -163,7 +163,7 @@ class EndedRun:
             return ""
         meaning = OUTCOMES[self.code]
         if self.verdict is not None:
-            meaning = by_policy(self.verdict) or headline(meaning, self.verdict.not_sampled)
+            meaning = by_policy(self.verdict) or headline(meaning, self.verdict.not_sampled, None)
         return f"exit code {self.code}: {meaning}"
 
     def command(self, case: FindingChange) -> str:
@@ -181,14 +181,7 @@ def code(verdict: Verdict) -> int:
     A change that fails is 1 whatever the verdict; a violated verdict is 0 only if the policy accepts violations and the
     baseline had all of them.
     """
-    return {"fails": VIOLATED, "accepts": 0}.get(_policy(verdict) or "", CODES[verdict.verdict])
-
-
-def _policy(verdict: Verdict) -> PolicyWord | None:
-    from campaigns.results.regression import policy_word
-
-    since = verdict.regression
-    return None if since is None else policy_word(since.ok, since.accepted, verdict.verdict)
+    return {"fails": VIOLATED, "accepts": 0}.get(verdict.policy or "", CODES[verdict.verdict])
 
 
 def by_policy(verdict: Verdict) -> str:
@@ -196,7 +189,7 @@ def by_policy(verdict: Verdict) -> str:
     regression = verdict.regression
     if regression is None or code(verdict) == CODES[verdict.verdict]:
         return ""
-    if _policy(verdict) == "fails":
+    if verdict.policy == "fails":
         return "the policy of the campaign fails"
     return f"every violating finding was known in {regression.run}, and the policy accepts those"
 

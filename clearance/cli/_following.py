@@ -269,8 +269,7 @@ def ended_as(found: Run) -> str:
     """The verdict, or the state without one, and that the policy on changes since the baseline fails."""
     from campaigns.results.verdict import headline
 
-    word = headline(found.verdict, found.not_sampled) if found.verdict else found.state
-    return f"{word}, policy fails" if found.policy == "fails" else word
+    return headline(found.verdict, found.not_sampled, found.policy) if found.verdict else found.state
 
 
 def counts(found: Run) -> str:

@@ -98,7 +98,7 @@ function Shown({ trend }: { trend: Trend }) {
     name: 'trend',
     columns: ['run', 'submitted', 'finished', 'state', 'verdict', 'seed', 'worst margin', 'unit', 'P(violation) upper bound', 'bound source', 'confidence', 'campaign', 'code', 'requirements', 'labels', 'policy'],
     rows: runs.map((run) => [
-      run.id, rfc3339(run.created), run.finished === null ? null : rfc3339(run.finished), run.state, headlineOf(run), run.seed,
+      run.id, rfc3339(run.created), run.finished === null ? null : rfc3339(run.finished), run.state, headlineOf({ ...run, policy: null }), run.seed,
       run.margin, run.unit, run.upper_bound, run.bound_source ?? null, run.confidence, run.campaign_digest, run.code, run.requirements.join('; '),
       labelsText(run.labels, '; '), run.policy,
     ]),

@@ -43,12 +43,13 @@ type Ended = Pick<RunSummary, 'state' | 'verdict'> & { readonly not_sampled?: bo
 
 const lacking = (run: Ended) => (run.verdict && run.not_sampled ? ': not sampled' : '')
 
-/** The outcome in words, with what alone is missing to clear the run, and that its policy on changes fails. */
-export const wordOf = (run: Ended): string =>
-  `${LOOK[outcomeOf(run)].word}${lacking(run)}${run.policy === 'fails' ? ', policy fails' : ''}`
+const failing = ({ policy }: Ended) => (policy === 'fails' ? ', policy fails' : '')
 
-/** The verdict as files and sentences have it, null without one. */
-export const headlineOf = (run: Ended): string | null => run.verdict && `${run.verdict}${lacking(run)}`
+/** The outcome in words, with what alone is missing to clear the run, and that its policy on changes fails. */
+export const wordOf = (run: Ended): string => `${LOOK[outcomeOf(run)].word}${lacking(run)}${failing(run)}`
+
+/** The same verdict within a sentence, null without one. */
+export const headlineOf = (run: Ended): string | null => run.verdict && `${run.verdict}${lacking(run)}${failing(run)}`
 
 interface BadgeProps extends HTMLAttributes<HTMLSpanElement> {
   tone: string

@@ -16,10 +16,12 @@ from backend.webhooks.body import ended
 from campaigns.results.regression import Regression, policy_word
 from clearance.cli._following import ended_as
 from clearance.client.answers import Run as Answer
+from tests.faults.processes import REPOSITORY
 from tests.given.databases import BOTH
 from tests.given.requirement_rows import AT, ran, row, sign
 from tests.given.service import Service
 
+API = REPOSITORY / "frontend" / "openapi.json"
 SENTENCE, LEAF = "By the policy of the campaign on changes since its baseline, R-0001 fails", "since the baseline fails"
 FAILING, HOLDING = {"ok": False, "accepted": False}, {"ok": True, "accepted": False}
 SINCE: list[tuple[str, dict[str, bool] | None, str | None]] = [
@@ -51,6 +53,7 @@ def stated(service: Service, client: httpx.Client) -> dict[str, Any]:
         "list": listed["policy"],
         "run": client.get("/api/v1/runs/R-0001").json()["policy"],
         "trend": client.get("/api/v1/trends", params={"name": listed["campaign_name"]}).json()["runs"][0]["policy"],
+        "report": client.get("/api/v1/reports").json()["items"][0]["policy"],
         "requirement": row(client, "REQ-1")["runs"][0]["policy"],
         "matrix": line["policy"] or None,
         "webhook": message["policy"],
@@ -73,6 +76,8 @@ def test_every_place_states_what_the_policy_says(
     assert (LEAF in argument) == (word == "fails")
     listed = Answer.model_validate(client.get("/api/v1/runs").json()["items"][0])
     assert ended_as(listed).endswith(", policy fails") == (word == "fails")
+    report = client.get("/api/v1/runs/R-0001/report.html").text
+    assert (f"</svg>{verdict.capitalize()}, policy fails<" in report) == (word == "fails")
 
 
 def test_the_verdict_alone_decides_whether_a_requirement_is_met(service: Service, client: httpx.Client) -> None:
@@ -83,6 +88,14 @@ def test_the_verdict_alone_decides_whether_a_requirement_is_met(service: Service
     found = row(client, "REQ-1")
     assert found["status"] == "unsigned"
     assert SENTENCE in found["sentence"], "also of a campaign whose evidence is no worse"
+
+
+def test_what_states_a_verdict_and_what_it_lacks_states_the_policy() -> None:
+    schemas = json.loads(API.read_text(encoding="utf-8"))["components"]["schemas"]
+    shown = {name: set(schema.get("properties", ())) for name, schema in schemas.items()}
+    both = {name for name, fields in shown.items() if {"verdict", "not_sampled"} <= fields}
+    assert len(both) > 4
+    assert {name for name in both if "policy" not in shown[name]} == {"RunVerdict"}, "that has the whole comparison"
 
 
 def test_words() -> None:

@@ -102,7 +102,7 @@ def _of_folder(folder: Path, budget: Budget, execute: Execute, accept: Callable[
     refuse_other_campaign(folder, campaign)
     accept(onward)
     memory = preloaded(onward, columns, store.sample_seed)
-    with explained(memory):
+    with explained(memory, onward):
         return Continued(onward, memory, execute(onward, memory, lambda: False), earlier.cited, {})
 
 

@@ -7,7 +7,6 @@ it (`clearance.cli._ended`). A run that fails, such as one whose simulator gives
 from __future__ import annotations
 
 import json
-import math
 import shlex
 from collections.abc import Callable
 from dataclasses import replace
@@ -96,36 +95,44 @@ def run(
     begun = partial(remove_earlier_results, replaced, file)
     execute = _executing(threads or None, quiet=as_json, begun=begun, evaluator=evaluator)
     note = ""
-    if onward:
-        from clearance.cli._continue import execute_continued
+    try:
+        if onward:
+            from clearance.cli._continue import execute_continued
 
-        code.of_results(onward, allow_code)
-        campaign, store, verdict, cites, labels = execute_continued(
-            onward, budget, data, database, execute, partial(refuse_other_results, replaced)
-        )
-        options = options._replace(labels=labels)
-    else:
-        assert file is not None
-        campaign = code.read(file, allow_code)
-        refuse_other_results(out, campaign, file)
-        if options.baseline:
-            from clearance.cli._baseline import compared
+            code.of_results(onward, allow_code)
+            campaign, store, verdict, cites, labels = execute_continued(
+                onward, budget, data, database, execute, partial(refuse_other_results, replaced)
+            )
+            options = options._replace(labels=labels)
+        else:
+            assert file is not None
+            campaign = code.read(file, allow_code)
+            refuse_other_results(out, campaign, file)
+            if options.baseline:
+                from clearance.cli._baseline import compared
 
-            if same_folder(out, options.baseline):
-                raise WrongInputError(
-                    f"--out {out} is the folder of --baseline, whose results would be replaced; give another folder",
-                    RefusalCode.OPTIONS,
-                )
-            campaign, note = compared(campaign, options.baseline, data, database)
-            refuse_other_results(out, campaign, file)  # its campaign.json states the baseline
-        announced = _announcing(execute, data, database, quiet=as_json)
-        try:
-            campaign, store, verdict = _fresh(file, campaign, announced, sample_seed)
-        except _FailedRunError as error:
-            failed = _failed(f"{error}", campaign, options, note, file, out)
-            _report_failed(replace(failed, lowest=error.lowest, unit=_unit(campaign)), options, as_json)
-            raise typer.Exit(INTERNAL) from None
-        cites = None
+                if same_folder(out, options.baseline):
+                    raise WrongInputError(
+                        f"--out {out} is the folder of --baseline, whose results would be replaced; "
+                        "give another folder",
+                        RefusalCode.OPTIONS,
+                    )
+                campaign, note = compared(campaign, options.baseline, data, database)
+                refuse_other_results(out, campaign, file)  # its campaign.json states the baseline
+            announced = _announcing(execute, data, database, quiet=as_json)
+            try:
+                campaign, store, verdict = _fresh(file, campaign, announced, sample_seed)
+            except _FailedRunError as error:
+                failed = _failed(f"{error}", campaign, options, note, file, out)
+                failed = replace(failed, lowest=error.lowest, unit=_unit(campaign))
+                typer.echo("\n".join(filter(None, ["Failed: no verdict", failed.error, failed.unconfirmed])), err=True)
+                _report(failed, options, as_json)
+                raise typer.Exit(INTERNAL) from None
+            cites = None
+    except interrupt.InterruptedRun as stopped:
+        ended = _failed(f"{stopped}", stopped.campaign, options, note, file, out)
+        ended = replace(ended, state=RunState.CANCELLED, lowest=stopped.lowest, unit=_unit(stopped.campaign))
+        raise _interrupted(ended, options, as_json) from None
     from clearance.local.likelihood import likelihoods
     from clearance.local.summary import summary
 
@@ -241,12 +248,10 @@ def _fresh(
         raise CampaignError(str(file), problems)
     store = MemoryStore(sample_seed=SampleSeed.drawn() if sample_seed is None else SampleSeed(sample_seed))
     try:
-        with interrupt.explained(store):
+        with interrupt.explained(store, campaign):
             return campaign, store, execute(campaign, store, lambda: False)
     except CampaignUnusable as error:
-        values = [float(value) for chunks in store.chunks.values() for columns in chunks for value in columns.ranked()]
-        lowest = min(filter(math.isfinite, values), default=None)
-        raise _FailedRunError("; ".join(map(str, error.problems)), lowest) from None
+        raise _FailedRunError("; ".join(map(str, error.problems)), interrupt.lowest(store)) from None
 
 
 def _unit(campaign: Campaign) -> str:
@@ -260,13 +265,22 @@ def _unit(campaign: Campaign) -> str:
     return next((result.unit for result in results if result.name == criterion.result), "")
 
 
-def _report_failed(failed: EndedRun, options: launch.Launch, as_json: bool) -> None:
-    """Print why there is no verdict and what was found all the same, and write the requested files."""
+def _interrupted(ended: EndedRun, options: launch.Launch, as_json: bool) -> KeyboardInterrupt:
+    """Write the requested files; returns what ends the command, which states also what the run had found."""
+    lost = [(ended.error or "").rstrip("."), ended.unconfirmed]
+    try:
+        _report(ended, options, as_json)
+    except WrongInputError as error:
+        lost.append(f"{error}")
+    return KeyboardInterrupt(". ".join(filter(None, lost)))
+
+
+def _report(ended: EndedRun, options: launch.Launch, as_json: bool) -> None:
+    """Print why there is no verdict and what was found all the same, if requested, and write the requested files."""
     if as_json:
-        stated = {"campaign": failed.campaign, "state": RunState.FAILED, "error": failed.error}
-        typer.echo(json.dumps(stated | ({"unconfirmed": text} if (text := failed.unconfirmed) else {}), indent=2))
-    typer.echo("\n".join(filter(None, ["Failed: no verdict", failed.error, failed.unconfirmed])), err=True)
-    options.write(failed)
+        stated = {"campaign": ended.campaign, "state": ended.state, "error": ended.error}
+        typer.echo(json.dumps(stated | ({"unconfirmed": text} if (text := ended.unconfirmed) else {}), indent=2))
+    options.write(ended)
 
 
 def _failed(

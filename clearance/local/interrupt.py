@@ -1,11 +1,12 @@
 """Ctrl-C that cannot be lost: Python drops an exception raised within a callback of the compiler or a finaliser.
 
 The signal is recorded separately and raised again where the runner polls for cancellation. What the interrupted command
-leaves behind is the message of the exception, which `clearance.cli.invoke` prints.
+leaves behind is the message of the exception, which `clearance.cli.invoke` prints. Start reading at `explained`.
 """
 
 from __future__ import annotations
 
+import math
 import signal
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -15,6 +16,7 @@ from typing import TYPE_CHECKING
 from campaigns.claims.numbers import count
 
 if TYPE_CHECKING:
+    from campaigns import Campaign
     from worker.running.runs.store import MemoryStore
 
 
@@ -40,19 +42,37 @@ def deferred(cancelled: Callable[[], bool]) -> Iterator[Callable[[], bool]]:
         signal.signal(signal.SIGINT, before)
 
 
+class InterruptedRun(KeyboardInterrupt):
+    """An interrupt of a run in memory; the message states what is lost and how to continue.
+
+    lowest: the lowest value that it had found; None if there is none."""
+
+    def __init__(self, lost: str, campaign: Campaign, lowest: float | None) -> None:
+        super().__init__(lost)
+        self.campaign, self.lowest = campaign, lowest
+
+
+def lowest(store: MemoryStore) -> float | None:
+    """The lowest value in it; None if there is none."""
+    chunks = [columns for chunks in store.chunks.values() for columns in chunks]
+    return min(filter(math.isfinite, (float(value) for columns in chunks for value in columns.ranked())), default=None)
+
+
 @contextmanager
-def explained(store: MemoryStore) -> Iterator[None]:
-    """An interrupt of a run in memory states what is lost and how to continue."""
+def explained(store: MemoryStore, campaign: Campaign) -> Iterator[None]:
+    """An interrupt becomes `InterruptedRun`."""
     before = _completed(store)
     try:
         yield
     except KeyboardInterrupt:
         made = _completed(store) - before
         were = "evaluation was completed; it is" if made == 1 else "evaluations were completed; they are"
-        raise KeyboardInterrupt(
+        raise InterruptedRun(
             f"{count(made)} {were} not stored, because "
             "`clearance run` stores a run when it ends, so start it again. A run that is submitted to a service "
-            "(`clearance submit`) resumes after an interruption"
+            "(`clearance submit`) resumes after an interruption",
+            campaign,
+            lowest(store),
         ) from None
 
 

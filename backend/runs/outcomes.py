@@ -14,6 +14,8 @@ from backend.db.tables import CampaignRow, Run
 from backend.http.schema import Instant, Schema
 from backend.runs import identity, policy, quantities, sample_kind
 from backend.runs.sample_kind import BoundSource
+from campaigns.claims.lowest_value import unconfirmed
+from campaigns.claims.spans import words
 from campaigns.results.regression import PolicyWord
 from campaigns.results.verdict import VerdictWord
 from campaigns.runs import RunState, run_name
@@ -22,7 +24,8 @@ from campaigns.runs import RunState, run_name
 class Outcome(Schema):
     """The outcome of a run. Times are seconds since 1970; costs and margins are in `unit`.
 
-    Numbers are null unless the run is done: those of a cancelled or failed run would be of an incomplete search.
+    Numbers are null unless the run is done: those of a cancelled or failed run would be of an incomplete search. A
+    lowest value at or below the threshold is stated all the same: `unconfirmed`.
     """
 
     id: str
@@ -65,6 +68,9 @@ class Outcome(Schema):
     policy: PolicyWord | None = None
     """What the campaign's policy says of the changes since the baseline: `holds`; `fails`, which is exit code 1
     whatever the verdict; `accepts`, a violated run whose violations were all known. Null without a comparison."""
+    unconfirmed: str = ""
+    """Of a cancelled or failed run: the sentence on its lowest value, where that is at or below the threshold and thus
+    speaks against a requirement without a verdict; empty otherwise."""
     created: Instant
     finished: Instant | None
     removed: bool
@@ -114,6 +120,7 @@ def _outcome(row: Any, measured: quantities.Measured) -> Outcome:
         clearance=row.clearance,
         not_sampled=sample.not_sampled,
         policy=policy.of(row),
+        unconfirmed=words(unconfirmed(row.state, row.worst_cost, row.threshold, measured.unit)),
         campaign_name=row.campaign_name,
         seed=_seed(row.seed),
         removed=row.removed is not None,

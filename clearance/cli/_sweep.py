@@ -15,6 +15,7 @@ from campaigns.claims.stages.sample import STATED_SEED
 from campaigns.runs import RunState
 from clearance.cli import CODES, INTERNAL, INTERRUPTED, WrongInputError
 from clearance.cli._exports import save
+from clearance.cli._following import plain
 
 if TYPE_CHECKING:
     from clearance.client import Client
@@ -96,7 +97,8 @@ def _line(found: Sweep, point: SweepPoint) -> str:
         return f"{start}  purged"
     removed = "; removed from the lists" if outcome.removed else ""
     if outcome.state != RunState.DONE:
-        return f"{start}  {outcome.state}: no verdict{'; ' + outcome.error if outcome.error else ''}{removed}"
+        why = plain(" ".join(filter(None, (outcome.error, outcome.unconfirmed))))
+        return f"{start}  {outcome.state}: no verdict{'; ' + why if why else ''}{removed}"
     margin = "" if outcome.margin is None else f", worst margin {signed(outcome.margin)} {outcome.unit}".rstrip()
     bound = outcome.upper_bound
     most = "" if bound is None else written(bound, form=Format.AT_MOST, digits=3)

@@ -493,7 +493,8 @@ class TraceData(TraceInfo):
 class Outcome(Answer):
     """The outcome of a run. Costs and margins are in `unit`.
 
-    Numbers are None unless the run is done: those of a cancelled or failed run would be of an incomplete search.
+    Numbers are None unless the run is done: those of a cancelled or failed run would be of an incomplete search. A
+    lowest value at or below the threshold is stated all the same: `unconfirmed`.
     """
 
     id: str | None = None
@@ -540,6 +541,10 @@ class Outcome(Answer):
     policy: str | None = None
     """What the campaign's policy says of the changes since the baseline: `holds`; `fails`, which is exit code 1
     whatever the verdict; `accepts`, a violated run whose violations were all known. None without a comparison.
+    """
+    unconfirmed: str | None = None
+    """Of a cancelled or failed run: the sentence on its lowest value, where that is at or below the threshold and thus
+    speaks against a requirement without a verdict; empty otherwise.
     """
     created: AwareDatetime | None = None
     finished: AwareDatetime | None = None

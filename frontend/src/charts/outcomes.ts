@@ -129,6 +129,6 @@ export const spoken = (points: readonly At[], name: (point: At) => string): stri
     .map((point) => {
       const { outcome } = point
       const margin = outcome?.margin === null || outcome?.margin === undefined ? '' : `, margin ${plain(outcome.margin, 4)} ${outcome.unit}`
-      return `${name(point)}: ${outcome ? wordOf(outcome) : 'Purged'}${margin}`
+      return `${name(point)}: ${outcome ? wordOf(outcome) : 'Purged'}${margin}${outcome?.unconfirmed ? `. ${outcome.unconfirmed}` : ''}`
     })
     .join('; ')

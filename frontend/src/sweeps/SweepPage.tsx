@@ -50,10 +50,10 @@ function Shown({ sweep }: { sweep: SweepDetail }) {
   }
   const data = () => ({
     name: 'sweep',
-    columns: [`${sweep.path}${unit && ` [${sweep.unit}]`}`, 'run', 'state', 'verdict', 'worst margin', 'unit', 'P(violation) upper bound', 'violations', 'of these failed', 'samples', 'bound source', 'removed'],
+    columns: [`${sweep.path}${unit && ` [${sweep.unit}]`}`, 'run', 'state', 'verdict', 'worst margin', 'unit', 'P(violation) upper bound', 'violations', 'of these failed', 'samples', 'bound source', 'removed', 'unconfirmed'],
     rows: sweep.points.map(({ value, run, outcome: o }) => [
       value, run, o?.state ?? 'purged', o && headlineOf(o), o?.margin ?? null, o?.unit ?? null, o?.upper_bound ?? null, o?.violations ?? null,
-      o?.failed_samples ?? null, o?.samples ?? null, o?.bound_source ?? null, o && (o.removed ? 'yes' : 'no'),
+      o?.failed_samples ?? null, o?.samples ?? null, o?.bound_source ?? null, o && (o.removed ? 'yes' : 'no'), o?.unconfirmed ?? null,
     ]),
   })
   return (
@@ -96,7 +96,7 @@ function Shown({ sweep }: { sweep: SweepDetail }) {
 function Points({ sweep }: { sweep: SweepDetail }) {
   const rows = sweep.points.map((point) => ({
     ...point,
-    reason: [point.outcome?.error, point.outcome?.removed && 'Removed from the lists'].filter(Boolean).join(' '),
+    reason: [point.outcome?.error, point.outcome?.unconfirmed, point.outcome?.removed && 'Removed from the lists'].filter(Boolean).join(' '),
   }))
   return (
     <Table

@@ -62,7 +62,7 @@ function Others({ own, rows }: { own: string; rows: readonly RelatedRun[] }) {
     <Table
       rows={rows}
       columns={[
-        ...outcomeColumns<RelatedRun>({ head: 'Differs in', tone: 'sec', cell: differenceOf }),
+        ...outcomeColumns(rows, { head: 'Differs in', tone: 'sec', cell: differenceOf }),
         { head: 'Code', cell: ({ code, unidentified }) => <CodeCell code={code} unidentified={unidentified} /> },
         { head: 'Finished', cell: (other) => <DateCell outcome={other} /> },
         buttonColumn<RelatedRun>(

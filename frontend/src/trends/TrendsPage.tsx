@@ -96,11 +96,11 @@ function Shown({ trend }: { trend: Trend }) {
   const narrow = (label: string[] | undefined) => void navigate({ to: '/trends', search: { ...search, label }, replace: true })
   const data = () => ({
     name: 'trend',
-    columns: ['run', 'submitted', 'finished', 'state', 'verdict', 'seed', 'worst margin', 'unit', 'P(violation) upper bound', 'bound source', 'confidence', 'campaign', 'code', 'requirements', 'labels', 'policy'],
+    columns: ['run', 'submitted', 'finished', 'state', 'verdict', 'seed', 'worst margin', 'unit', 'P(violation) upper bound', 'bound source', 'confidence', 'campaign', 'code', 'requirements', 'labels', 'policy', 'unconfirmed'],
     rows: runs.map((run) => [
       run.id, rfc3339(run.created), run.finished === null ? null : rfc3339(run.finished), run.state, headlineOf({ ...run, policy: null }), run.seed,
       run.margin, run.unit, run.upper_bound, run.bound_source ?? null, run.confidence, run.campaign_digest, run.code, run.requirements.join('; '),
-      labelsText(run.labels, '; '), run.policy,
+      labelsText(run.labels, '; '), run.policy, run.unconfirmed,
     ]),
   })
   return (
@@ -166,7 +166,7 @@ function Runs({ runs, named, label }: { runs: readonly TrendRun[]; named: boolea
       row={(_, i) => ({ className: newest[i - 1]?.code_changed ? styles.changed : undefined })}
       columns={[
         { head: 'No.', num: true, tone: 'sec', cell: (_, i) => runs.length - i },
-        ...outcomeColumns<TrendRun>(),
+        ...outcomeColumns(newest),
         named && {
           head: 'Campaign',
           tone: 'sec',

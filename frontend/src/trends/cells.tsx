@@ -49,11 +49,13 @@ export function DateCell({ outcome }: { outcome: Outcome }) {
   )
 }
 
-/** Verdict, name, worst margin and bound of runs; further ones after the name. */
-export const outcomeColumns = <T extends Outcome & { id: string; name: string }>(...further: Column<T>[]): Column<T>[] => [
+/** Verdict, name, worst margin and bound of runs; further ones after the name. What a run without a verdict found has a
+ * column of its own if there is such a run. */
+export const outcomeColumns = <T extends Outcome>(runs: readonly T[], ...further: Column<T>[]): (Column<T> | false)[] => [
   { head: 'Verdict', cell: (run) => <OutcomeBadge outcome={run} /> },
   { head: 'Run', cell: ({ id, name }) => <RunCell run={id} name={name} /> },
   ...further,
   { head: 'Worst margin', num: true, cell: marginOf },
   { head: 'P(violation)', num: true, tone: 'sec', cell: boundOf },
+  runs.some((run) => run.unconfirmed) && { head: 'Without a verdict', tone: 'sec', cell: (run) => run.unconfirmed },
 ]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import re
 from collections.abc import Callable
 from pathlib import Path
@@ -11,6 +12,7 @@ import pytest
 import sqlalchemy as sa
 
 from backend.db.tables import Run
+from backend.webhooks.body import ended
 from campaigns.claims.lowest_value import unconfirmed
 from campaigns.claims.numbers import signed
 from campaigns.claims.say import say
@@ -81,10 +83,13 @@ def test_a_value_at_or_below_the_threshold_is_stated_wherever_the_run_without_ve
         assert (stated == "") == (lowest > 0.5)
         detail = client.get(f"/api/v1/runs/{run}").json()
         report = re.sub("<[^>]*>", "", client.get(f"/api/v1/runs/{run}/report.html").text)
+        trend = client.get("/api/v1/trends", params={"name": detail["campaign_name"]}).json()["runs"][0]
     numbers = [span["value"] for span in detail["unconfirmed"] if span["kind"] == "quantity"]
     assert numbers == ([lowest, 0.5] if stated else []), "the page writes them"
     found = " ".join(report.replace("\u202f", " ").split())
-    for name, text in (texts | {"report": found}).items():
+    with service.engine.connect() as reader:
+        message = str(json.loads(ended(reader, 1, ""))["data"]["unconfirmed"])
+    for name, text in (texts | {"report": found, "trend": trend["unconfirmed"], "webhook": message}).items():
         assert stated in text, name
         assert ("lowest value found" in text) == bool(stated), name
     cases = {str(case.get("name")): case[0] for case in Xml.fromstring(texts["junit"]).iter("testcase")}

@@ -15,7 +15,12 @@ from backend.db.purge import purge
 from backend.db.queue import Queue
 from backend.db.tables import Audit, Run
 from campaigns import Campaign
+from campaigns.claims.lowest_value import unconfirmed
+from campaigns.claims.spans import words
 from campaigns.results.verdict import headline
+from clearance.cli import _sweep
+from clearance.cli._following import plain
+from clearance.client.answers import Sweep
 from tests.given.databases import BOTH
 from tests.given.finished_runs import Work, finish
 from tests.given.problem_documents import problem
@@ -210,3 +215,20 @@ def test_a_long_name_leaves_the_value(client: httpx.Client) -> None:
     names = [client.get(f"/api/v1/runs/{point['run']}").json()["name"] for point in sweep["points"]]
     assert [len(name) for name in names] == [120] * 3
     assert [name.rpartition(" = ")[2] for name in names] == ["1", "2", "3"]
+
+
+@pytest.mark.parametrize(("lowest", "found"), [(0.5, True), (0.51, False)])
+def test_what_a_run_without_a_verdict_found_is_stated_in_the_table(
+    service: Service, client: httpx.Client, lowest: float, found: bool
+) -> None:
+    launch(client, values=[1.0, 2.0])
+    with service.engine.begin() as writer:
+        writer.execute(sa.update(Run).where(Run.id == 1).values(state="failed", error="It ended.", worst_cost=lowest))
+    rows = csv.DictReader(io.StringIO(client.get("/api/v1/sweeps/S-0001/table.csv").text))
+    sweep = Sweep.model_validate(client.get("/api/v1/sweeps/S-0001").json())
+    sentence = words(unconfirmed("failed", lowest, 0.5, "m"))
+    assert bool(sentence) == found
+    assert [row["unconfirmed"] for row in rows] == [sentence, ""]
+    lines = [_sweep._line(sweep, point) for point in sweep.points]
+    assert lines[0].endswith(f"; It ended. {plain(sentence)}".rstrip())
+    assert "lowest" not in lines[1]

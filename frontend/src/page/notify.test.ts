@@ -76,8 +76,9 @@ it('tells of those that have ended, not of those that a list with a limit leaves
 it('states the outcome', () => {
   const run = { name: 'Release', token: null, margin: -2.3, unit: 'm', error: null, verdict: 'violated' as const }
   expect(notify.bodyOf(run)).toBe('Release: margin \u22122.300 m')
-  expect(notify.bodyOf({ ...run, verdict: null, error: 'diverged' })).toBe('Release: diverged')
-  expect(notify.bodyOf({ ...run, verdict: null })).toBe('Release')
+  expect(notify.bodyOf({ ...run, verdict: null, error: 'diverged', margin: 1 })).toBe('Release: diverged')
+  expect(notify.bodyOf({ ...run, verdict: null, error: 'diverged' })).toBe('Release: diverged: margin \u22122.300 m, which no verdict confirms')
+  expect(notify.bodyOf({ ...run, verdict: null, margin: null })).toBe('Release')
   expect(notify.bodyOf({ ...run, token: 'nightly' })).toBe('Release (token nightly): margin \u22122.300 m')
 })
 

@@ -144,8 +144,9 @@ export function tell(run: RunSummary, open: Open): void {
 }
 
 export function bodyOf(run: Pick<RunSummary, 'name' | 'token' | 'margin' | 'unit' | 'error' | 'verdict'>): string {
-  const judged = run.verdict && run.margin !== null
   const name = run.token ? `${run.name} (token ${run.token})` : run.name
-  if (judged) return `${name}: margin ${margin(run.margin, decimalsFor([run.margin]))} ${run.unit}`
-  return run.error ? `${name}: ${run.error}` : name
+  const found = run.margin !== null && `margin ${margin(run.margin, decimalsFor([run.margin]))} ${run.unit}`
+  if (run.verdict) return found ? `${name}: ${found}` : name
+  const against = found && Number(run.margin) <= 0 && `${found}, which no verdict confirms`
+  return [name, run.error, against].filter(Boolean).join(': ')
 }

@@ -115,5 +115,5 @@ def test_other_guides_state_todays_limits() -> None:
     stated = f"agreement: {rules.AGREEMENT.value:g} "
     assert [line for line in first.splitlines() if line.startswith(stated)] == [
         f"{stated:<41}# fraction of nominal minus worst within which the methods agree; "
-        f"above {rules.AGREEMENT_AT_MOST.value:g}, {rules.AGREEMENT_AT_MOST.value:g} applies"
+        f"at most {rules.AGREEMENT_AT_MOST.value:g},"
     ]

@@ -49,7 +49,7 @@ def argument(
     nodes: Nodes = {}
     names = _names([row.id for row in rows])
     goals = [_goal(nodes, names[row.id], row, claims, address) for row in rows]
-    when = datetime.fromtimestamp(at, UTC).strftime("%Y-%m-%d %H:%M:%S UTC")
+    when = datetime.fromtimestamp(at, UTC).strftime("%Y-%m-%dT%H:%M:%SZ")
     met = sum(row.status == "met" for row in rows)
     top: Element = {"text": "The requirements are met, as far as the searches of the runs below can show"}
     top["status"] = "met" if rows and met == len(rows) else "not met"

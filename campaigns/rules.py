@@ -167,7 +167,8 @@ RULES = (
         f"default {percent(AGREEMENT)} of nominal minus worst, and {percent(AGREEMENT_OF_MARGIN)} of the margin, "
         f"and methods of at least {METHODS.value} families do, which the campaign did not start there. Parts of a "
         "search that do not share their evaluations count as methods. Members that share evaluations or "
-        "starting points count as one method, in all searches by the same method together.",
+        "starting points count as one method, in all searches by the same method together, and no search by the "
+        "principle of one of them confirms it.",
         ("search", "validate"),
         RemedyKind.EVALUATIONS,
     ),

@@ -82,6 +82,8 @@ class Member(Result):
     """How often it improved the best of all methods."""
     apart: Annotated[bool, UNLESS_EMPTY] = False
     """Whether it does not use the evaluations of the others."""
+    family: Annotated[str, UNLESS_EMPTY] = ""
+    """The principle by which it searches; empty if it is not declared, and in earlier versions."""
 
 
 class SearchResult(StageResult):

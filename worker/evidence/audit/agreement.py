@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from itertools import combinations
 from typing import Any
 
@@ -21,7 +22,7 @@ def agreement(run: Run) -> bool:
     """Whether methods that searched, of two families and all global ones, reached the worst case and its cost."""
     if math.isnan(run.nominal):
         return False
-    findings, came, by = run.claims["findings"], dict[int, bool](), set[tuple[str, str]]()
+    findings, came, by = run.claims["findings"], dict[int, bool](), set[frozenset[str]]()
     stated = [f["cost"] for f in findings if f["validation"]["realisation"] is None]
     worst = min(stated or [f["cost"] for f in findings], default=math.nan)
     fall = min(run.campaign.agreement, limits.AGREEMENT_AT_MOST) * (run.nominal - worst)
@@ -35,27 +36,34 @@ def agreement(run: Run) -> bool:
         came[k] = searched and run.best[k] - worst <= within and row["basin"] in labels
         parts = run.claims["results"][k].get("apart") or []
         if came[k] and not parts and not _started(run, k, row["basin"]):
-            by.add((family(run, k), _sharing(run, k, None)))
+            by.add(_principles(run, k, None, family(run, k)))
         for part, basin in zip(parts, row.get("apart") or [], strict=True):
             reached = part["evaluations"] >= least and part["best"] - worst <= within and basin in labels
             if came[k] and reached and not _started(run, k, basin):
-                by.add((run.methods[k].apart.get(part["member"], part["family"]), _sharing(run, k, part["member"])))
+                led = run.methods[k].apart.get(part["member"], part["family"])
+                by.add(_principles(run, k, part["member"], led))
     globally = [came[k] for k in run.searches if run.methods[k].kind == "global"]
-    several = any(_independent(*pair) for pair in combinations(by, limits.METHODS))
+    several = any(a.isdisjoint(b) for a, b in combinations(by, limits.METHODS))
     return bool(globally) and all(globally) and several and (not run.varies or worst < run.nominal)
 
 
-def _independent(a: tuple[str, str], b: tuple[str, str]) -> bool:
-    """Whether families differ, and not only the members that led two searches of a method whose members share."""
-    return a[0] != b[0] and (a[1] == "" or a[1] != b[1])
+def _principles(run: Run, k: int, member: str | None, leading: str) -> frozenset[str]:
+    """The principles of a search, or of its part that this member led: of members that shared what they knew all of
+    theirs, in earlier versions the leading one's and their method, or that one's alone."""
+    of, rows = run.methods[k], run.claims["results"][k].get("members") or []
+    alone = member in of.apart if member else not (of.apart or rows)
+    if alone or run.wording < limits.SHARED:
+        return frozenset([leading])
+    sharing = [row for row in rows if row["member"] not in of.apart and run.wording >= limits.PRINCIPLES]
+    return frozenset([leading, of.name, *(_principle(run, row["member"], row.get("family", "")) for row in sharing)])
 
 
-def _sharing(run: Run, k: int, member: str | None) -> str:
-    """The method whose members shared what they knew, of a search or of its part that this member led; earlier versions
-    let several searches of it confirm each other."""
-    of = run.methods[k]
-    alone = member in of.apart if member else not (of.apart or run.claims["results"][k].get("members"))
-    return "" if alone or run.wording < limits.SHARED else of.name
+def _principle(run: Run, member: str, stated: str) -> str:
+    """That of a member, with its usual options; as stated of a method that is not installed."""
+    known = run.installed.get(member)
+    if known is None:
+        return stated or member
+    return _chosen(known, {}) or known.name
 
 
 def _started(run: Run, k: int, label: str) -> bool:
@@ -107,10 +115,15 @@ def family(run: Run, k: int) -> str:
         return str(result["family"] if result.get("family") in tied else tied[0])
     if result.get("members"):
         return str(result.get("family") or method.name)
+    return _chosen(method, options) or method.name
+
+
+def _chosen(method: MethodEntry, options: Mapping[str, Any]) -> str:
+    """The family of a method with these options."""
     chosen: list[str] = [
         by.get(str(options.get(name, _usual(method, name))), "") for name, by in method.families.items()
     ]
-    return next(filter(None, chosen), method.family or method.name)
+    return next(filter(None, chosen), method.family)
 
 
 def _usual(method: MethodEntry, option: str) -> Any:

@@ -259,8 +259,8 @@ class Run:
         self.low, self.high = (np.array(ends) for ends in zip(*self.bounds.values(), strict=True))
         self.random = seeded(self.campaign, components)
         self.quantity, self.unit = self._decides(components)
-        methods = {method.name: method for method in components.methods}
-        self.methods = {k: methods[self.plan[k].method] for k in self.searches}
+        self.installed = {method.name: method for method in components.methods}
+        self.methods = {k: self.installed[self.plan[k].method] for k in self.searches}
         certify = {k for k, planned in enumerate(self.plan) if planned.kind == "certify"}
         random = {k for k in self.searches if self.methods[k].kind == "random"}
         self.samples = {k: self.sample(k) for k in sorted(certify | random)}

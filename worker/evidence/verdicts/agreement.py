@@ -5,8 +5,8 @@ the campaign's `agreement` and a tenth of the margin of the worst; so mirrored w
 if it really searched: with a minimum budget, until its own stopping rule or the end of its budget, and to a best below
 nominal. Methods of one family search by the same principle and miss the same cases: they count once. A search that the
 campaign started at the worst case is no witness of it. A search of several parts that do not share their
-evaluations counts as so many methods; parts that shared what they knew are one, and one in several searches of the same
-method: which of them was the lowest is no principle of its own.
+evaluations counts as so many methods; parts that shared what they knew are one, of all their principles together: which
+of them was the lowest is no principle of its own, and a search by the principle of any of them no second one.
 """
 
 from __future__ import annotations
@@ -89,30 +89,31 @@ class Part:
     evaluations: int
     best: float
     finding: str | None
-    together: str = ""
-    """The method whose members shared what they knew; empty of a part that shared nothing."""
+    principles: frozenset[str]
+    """Its family; of members that shared what they knew, also theirs and their method."""
 
 
 def _parts(search: SearchResult, evidence: Evidence) -> list[Part]:
     row = _row(search, evidence)
     if not search.apart:
         best = math.inf if search.best is None else search.best.cost
-        together = search.method if search.members else ""
-        return [Part(_titled(search), family(search), search.evaluations, best, row.basin, together)]
+        principles = _principles(search, family(search), shared=bool(search.members))
+        return [Part(_titled(search), family(search), search.evaluations, best, row.basin, principles)]
     alone = {member.member for member in search.members if member.apart}
     return [
         Part(
             method(search.method, f"{search.title}: {a.title}"),
             *(a.family, a.evaluations, a.best, basin),
-            search.method if search.members and a.member not in alone else "",
+            _principles(search, a.family, shared=bool(search.members) and a.member not in alone),
         )
         for a, basin in zip(search.apart, row.apart, strict=True)
     ]
 
 
-def _independent(a: Part, b: Part) -> bool:
-    """Whether two parts found what they found by different principles."""
-    return a.family != b.family and (not a.together or a.together != b.together)
+def _principles(search: SearchResult, leading: str, shared: bool) -> frozenset[str]:
+    members = [member for member in search.members if shared and not member.apart]
+    named = [member.family or member.member for member in members]
+    return frozenset([leading, *named, *([search.method] if shared else [])])
 
 
 def allowed(problem: Problem, nominal: float, worst: float) -> float:
@@ -144,7 +145,8 @@ def varies(evidence: Evidence, threshold: float) -> float:
 def _agreed(counted: Sequence[Part], evidence: Evidence, flat: bool, worst: float, nominal: float, unit: str) -> Check:
     reached = listed([part.title for part in counted])
     families = sorted({part.family for part in counted})
-    confirmed = any(_independent(a, b) for a, b in combinations(counted, rules.METHODS.value))
+    pairs = combinations([part.principles for part in counted], rules.METHODS.value)
+    confirmed = any(a.isdisjoint(b) for a, b in pairs)
     if not counted:
         return _check(False, "no part of a search that reached the worst case has enough evaluations to count as one")
     if not confirmed:

@@ -8,6 +8,7 @@ from typing import Any
 
 import pytest
 
+from worker.evidence.audit import limits
 from worker.evidence.audit.agreement import agreement
 from worker.evidence.audit.parts import Counts
 
@@ -28,7 +29,8 @@ def run(first: float, second: float, nominal: float, varies: bool = True, older:
         campaign=SimpleNamespace(agreement=0.05, stages=SimpleNamespace(search=search)),
         nominal=nominal, threshold=0.0, searches=[0, 1], methods=methods, bounds={"a": (0.0, 1.0)},
         ended=[Counts(100, 0, 0)] * 2, plan=[SimpleNamespace(planned=1000)] * 2, best=[first, second],
-        varies=varies, older=older, wording=more.get("wording", 9), known={"a": ("", 0.5)},
+        installed={m.name: m for m in methods.values()}, varies=varies, older=older, wording=more.get("wording", 9),
+        known={"a": ("", 0.5)},
         findings=[SimpleNamespace(label="F1", parameters={"a": 0.1})],
     )  # fmt: skip
 
@@ -80,3 +82,16 @@ def test_searches_of_one_method_whose_members_share_confirm_each_other_only_in_e
     assert not judged(wording=10)
     assert judged(wording=9)
     assert judged(wording=10, alone=0.43) is parts
+
+
+@pytest.mark.parametrize(("wording", "agree"), [(limits.PRINCIPLES, False), (limits.PRINCIPLES - 1, True)])
+@pytest.mark.parametrize("stated", ["population", ""], ids=["stated", "forged"])
+def test_a_search_by_the_principle_of_a_member_that_shares_confirms_nothing_but_in_earlier_versions(
+    wording: int, agree: bool, stated: str
+) -> None:
+    made = run(0.43, 0.43, 1.4, wording=wording)
+    made.installed["evolving"] = SimpleNamespace(name="evolving", family="population", families={}, options={})
+    made.methods[1].family = "population"
+    rows = [{"member": "sqp", "family": "gradients"}, {"member": "evolving", "family": stated}]
+    made.claims["results"][0] = {"members": rows, "family": "gradients"}
+    assert agreement(made) is agree

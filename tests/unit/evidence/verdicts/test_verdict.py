@@ -583,6 +583,25 @@ def test_searches_of_one_method_are_not_two_because_other_members_led_them(metho
     assert check_of("agreement", concluded(searches=[*two, search("direct", family="division")])).ok
 
 
+@pytest.mark.parametrize(
+    ("member", "family", "confirmed"),
+    [("mlsl", "multistart", False), ("multistart", "", False), ("direct", "division", True)],
+    ids=["of its family", "of an undeclared family, by name", "of another family"],
+)
+@pytest.mark.parametrize("parts", [False, True])
+def test_a_search_by_the_principle_of_one_that_shares_with_the_leading_member_is_no_second_one(
+    member: str, family: str, confirmed: bool, parts: bool
+) -> None:
+    """Both may have evaluated the same points: the leading member had the rest from the other."""
+    apart = [part_apart("sqp", "gradients"), part_apart("contrast_racing", "racing of descents", cost=1.0)]
+    several = sharing("portfolio", "gradients", apart=apart if parts else [])
+    other = Member(member=member, title=member, evaluations=200, best=1.0, improvements=0, family=family)
+    several = changed(several, members=[*several.members, other])
+    searches = [several, search("direct", family="multistart")]
+    assert check_of("agreement", concluded(searches=searches)).ok is confirmed
+    assert check_of("agreement", concluded(searches=searches[::-1])).ok is confirmed
+
+
 APART = [part_apart("sqp", "gradients"), part_apart("contrast_racing", "racing of descents")]
 
 

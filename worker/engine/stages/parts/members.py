@@ -69,6 +69,7 @@ class Members:
                     best=best if np.isfinite(best) else None,
                     improvements=int(np.count_nonzero(mine[improved])),
                     apart=member in alone,
+                    family=known.family_with(known.options()) if known else "",
                 )
             )
         return rows

@@ -150,9 +150,10 @@ def _agreed(counted: Sequence[Part], evidence: Evidence, flat: bool, worst: floa
     if not counted:
         return _check(False, "no part of a search that reached the worst case has enough evaluations to count as one")
     if not confirmed:
-        shared = ", whose members share what they find," if len(families) > 1 else ""
+        shared = ", by principles that they share," if len(families) > 1 else ""
         of_one = shared or (f", of one family ({families[0]})," if len({part.title for part in counted}) > 1 else "")
-        second = " reached the worst case; a method of another family must confirm it"
+        than = " than all of their members" if shared else ""
+        second = f" reached the worst case; a method of another family{than} must confirm it"
         return _check(False, "only ", reached, of_one, second)
     if flat:
         evaluations = count(evidence.encounter.spread.evaluations, "evaluations")

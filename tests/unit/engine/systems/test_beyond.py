@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from itertools import pairwise
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -75,6 +76,25 @@ def test_an_obstacle_with_states_is_known_at_rest_or_while_it_moves_away(
         assert found.unknown.obstacle == 1
         assert found.unknown.closing == pytest.approx(1.0, abs=0.3)
         assert found.unknown.value == pytest.approx(2.0, abs=0.2)
+
+
+@pytest.mark.parametrize(
+    ("place_at", "moved", "threshold", "rests"),
+    [
+        (1e6, 3e-4, 0.5, False),
+        (1e6, 1e-10, 0.5, True),  # the last digit
+        (0.0, 1e-10, 0.5, True),
+        (0.0, 1e-10, 1e-6, False),
+        (1.0, 1e-10, 0.0, True),
+    ],
+    ids=["far away, a metre", "far away, rounding", "rounding", "a scene of a micrometre", "no threshold"],
+)
+def test_rest_is_measured_by_the_threshold_wherever_it_is(
+    place_at: float, moved: float, threshold: float, rests: bool
+) -> None:
+    scenario = SimpleNamespace(given_scenario=SimpleNamespace(horizon=15.0))
+    flights: Any = SimpleNamespace(campaign=scenario, step=0.005, threshold=threshold)
+    assert onward._at_rest(np.array([[place_at, 0.0, 0.0], [place_at + moved, 0.0, 0.0]]), flights) == rests
 
 
 def test_a_straight_path_ends_at_its_goal() -> None:

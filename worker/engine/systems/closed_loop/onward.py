@@ -76,9 +76,12 @@ def _steady(before: Floats, now: Floats) -> bool:
 
 
 def _at_rest(now: Floats, flights: Flights) -> bool:
-    """Whether it would move by no more than rounding within another horizon [m]."""
-    horizons = flights.campaign.given_scenario.horizon / flights.step
-    return bool(np.linalg.norm(now[1] - now[0]) * horizons <= ROUNDING * max(1.0, float(np.linalg.norm(now[1]))))
+    """Whether it would move within another horizon by no more than the rounding of its place at each step, and a
+    millionth of the threshold [m]."""
+    steps = flights.campaign.given_scenario.horizon / flights.step
+    rounding = 4.0 * np.finfo(float).eps * float(np.linalg.norm(now[1]))
+    least = ROUNDING * (abs(flights.threshold) or 1.0)
+    return bool(np.linalg.norm(now[1] - now[0]) * steps <= least + rounding * steps)
 
 
 def _moves(centres: Floats) -> bool:

@@ -96,6 +96,7 @@ def test_the_audit_has_the_same_limits() -> None:
         "BASINS",
         "HALVED",
         "WIDER",
+        "ALIKE",
         "RULES",
         "SMALLEST",
         "POINTS",

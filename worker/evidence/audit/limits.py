@@ -46,7 +46,12 @@ calls where single ones would be confirmed so."""
 WIDER = 15
 """The version since which more is looked at: flights of all stages after the horizon; for an estimate every violation
 of the independent sample; for a change the costs that are compared alone, not the nominal one."""
-RULES = max(BASINS, BASELINES, BESIDE, ROUNDED, TAILS, LOWEST, SHARED, CALLED, AFTER, VIOLATING, WHOLE, HALVED, WIDER)
+ALIKE = 17
+"""The version since which no density as a fraction of the highest one is stated of correlated parameters that are not
+normal."""
+RULES = max(
+    BASINS, BASELINES, BESIDE, ROUNDED, TAILS, LOWEST, SHARED, CALLED, AFTER, VIOLATING, WHOLE, HALVED, WIDER, ALIKE
+)  # fmt: skip
 """The version since which the rules are those of today."""
 POINTS, TIMES = 5, 3
 """Of a simulator: how many points are evaluated to measure whether it repeats, and how often each."""

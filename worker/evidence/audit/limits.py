@@ -48,7 +48,8 @@ WIDER = 15
 of the independent sample; for a change the costs that are compared alone, not the nominal one."""
 ALIKE = 17
 """The version since which no density as a fraction of the highest one is stated of correlated parameters that are not
-normal."""
+normal; since which the band of a distribution function is wider by the probability that a draw was moved inside the
+bounds; since which equal values of it are one, with the fraction of all costs at or below."""
 RULES = max(
     BASINS, BASELINES, BESIDE, ROUNDED, TAILS, LOWEST, SHARED, CALLED, AFTER, VIOLATING, WHOLE, HALVED, WIDER, ALIKE
 )  # fmt: skip

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any, TypeVar
 
@@ -31,7 +30,7 @@ def likely(run: Run, findings: list[Finding]) -> tuple[list[Finding], MostLikely
     return known, _violation(run, of)
 
 
-def _by_scores(stated: list[Mapping[str, Any]]) -> bool:
+def _by_scores(stated: list[Any]) -> bool:
     """Whether the record of an earlier version states what that version computed: a service computes the likelihoods of
     stored runs when it is asked, so that records of theirs may state what later versions do."""
     *findings, violation = [one.get("likelihood") or {} for one in stated]

@@ -16,7 +16,7 @@ from campaigns import cube, special
 from campaigns.asked.distributions import Correlation, Distribution, matrix
 from campaigns.asked.spec import Campaign
 from campaigns.cube import Floats
-from campaigns.densities.shapes import Shape, shape
+from campaigns.densities.shapes import Bell, Shape, shape
 
 Bounds = Mapping[str, tuple[float, float]]
 """Low and high by path, in the parameters' units."""
@@ -29,13 +29,15 @@ LEAST, MOST = -37.0, 8.3
 @dataclass(frozen=True)
 class Joint:
     """shapes: of each parameter by path, in the order of points; mixed: indices of the correlated ones; whitening: the
-    matrix that makes their scores independent."""
+    matrix that makes their scores independent; by_scores: whether correlated parameters that are not normal are
+    compared by these scores alone, as versions before wording 17 did."""
 
     shapes: dict[str, Shape]
     low: Floats
     high: Floats
     mixed: tuple[int, ...]
     whitening: Floats
+    by_scores: bool = False
 
     @property
     def alone(self) -> list[Shape]:
@@ -57,6 +59,14 @@ class Joint:
         """The uncorrelated parameters whose density has no highest value."""
         alone = self.alone
         return [path for path, one in self.shapes.items() if one in alone and one.peak == math.inf]
+
+    @property
+    def skewed(self) -> list[str]:
+        """The correlated parameters that are not normal: with them the highest joint density is not known, and their
+        scores alone do not show where the density is high."""
+        shapes = [] if self.by_scores else list(self.shapes.items())
+        mixed = [item for k, item in enumerate(shapes) if k in self.mixed]
+        return [path for path, one in mixed if not isinstance(one, Bell) or one.bounded]
 
     @property
     def outside(self) -> float:
@@ -91,8 +101,8 @@ class Joint:
     def falls(self, points: Floats) -> tuple[Floats, Floats]:
         """How far the density at points (m, n) is below its highest, as `fall`, in two parts (m,).
 
-        Of the uncorrelated parameters in their own units; of the correlated ones in the standard normal space, where it
-        is infinite at a bound.
+        Of the uncorrelated parameters in their own units; of the correlated ones, which are normal, in the standard
+        normal space. By scores alone it is infinite at a bound.
         """
         free = [k for k in range(len(self.shapes)) if k not in self.mixed]
         own = sum((one.fall(points[:, k]) for k, one in zip(free, self.alone, strict=True)), np.zeros(len(points)))
@@ -105,9 +115,21 @@ class Joint:
     def log_density(self, points: Floats) -> Floats:
         """The log density of draws within the bounds (m,), up to a constant if correlated ones have tails outside
         them."""
+        return self._log_density(points, np.nan_to_num(self.scores(points), neginf=LEAST, posinf=MOST))
+
+    def ranks(self, points: Floats) -> Floats:
+        """A measure (m,) of how high the density at points (m, n) is: more where it is higher, minus infinity where
+        nothing is known of it. Both bounds of a correlated parameter have the score of the last float below 1."""
+        if not self.skewed:
+            own, joined = self.falls(points)
+            return -(own + joined)
+        with np.errstate(invalid="ignore"):  # the density of one parameter is zero, that of another infinite
+            found = self._log_density(points, np.clip(self.scores(points), -MOST, MOST))
+        return np.where(np.isnan(found), -math.inf, found)
+
+    def _log_density(self, points: Floats, scores: Floats) -> Floats:
         columns = enumerate(self.shapes.values())
         own = sum((one.log_density(points[:, k]) for k, one in columns), np.zeros(len(points)))
-        scores = np.nan_to_num(self.scores(points), neginf=LEAST, posinf=MOST)
         joined = (scores**2).sum(axis=1) - ((scores @ self.whitening.T) ** 2).sum(axis=1)
         return np.asarray(own + joined / 2.0 + np.linalg.slogdet(self.whitening)[1])
 

@@ -31,8 +31,10 @@ def likelihood(of: Joint, point: Floats) -> Likelihood:
         return Likelihood(statement=claims.UNIFORM)
     if of.unbounded:
         return Likelihood(statement=claims.unbounded(of.unbounded))
-    own, joined = (float(fall[0]) for fall in of.falls(np.clip(point, 0.0, 1.0)[None, :]))
     counted = len(of.mixed) + sum(one.freedom != 0 for one in of.alone)
+    if of.skewed:
+        return Likelihood(parameters=counted, statement=claims.skewed(of.skewed))
+    own, joined = (float(fall[0]) for fall in of.falls(np.clip(point, 0.0, 1.0)[None, :]))
     if math.isinf(joined):
         return Likelihood(parameters=counted, statement=claims.AT_BOUND)
     if math.isinf(own):
@@ -77,17 +79,17 @@ def most_likely(
     """The most likely of the violations among the stored evaluations; the first of equally likely ones.
 
     of: None if the bounds of a parameter are not known; unit: of the threshold."""
-    violations, lowest = 0, math.inf
+    violations, highest = 0, -math.inf
     best: tuple[Rows, int] | None = None
     for rows in stored:
         violating = np.flatnonzero((rows.status == OK) & (rows.costs[:, 0] <= threshold))
         violations += len(violating)
         if not len(violating) or of is None or not of.distinguishes:
             continue
-        own, joined = of.falls(rows.points[violating])
-        k = int(np.argmin(own + joined))
-        if (fall := float(own[k] + joined[k])) < lowest:
-            lowest, best = fall, (rows, int(violating[k]))
+        ranks = of.ranks(rows.points[violating])
+        k = int(np.argmax(ranks))
+        if (rank := float(ranks[k])) > highest:
+            highest, best = rank, (rows, int(violating[k]))
     if of is None or best is None:
         return MostLikely(
             violations=violations, statement=claims.no_case(violations, of is not None, bool(of and of.uniform))

@@ -9,11 +9,12 @@ from campaigns.results.finding import Finding
 class Likelihood(Described):
     """How likely a case is under the campaign's distributions, whatever the units and the number of parameters.
 
-    All numbers are null where every point of the box is equally likely, and where there is no highest density.
+    All numbers are null where every point of the box is equally likely, where there is no highest density, and where
+    correlated parameters are not normal, so that the highest one is not known.
     """
 
     density: float | None = None
-    """The density as a fraction of the highest one; correlated parameters count in the standard normal space."""
+    """The density as a fraction of the highest one."""
     distance: float | None = None
     """The same as a distance: sqrt(-2 ln density). Of normal distributions the distance from the mean in standard
     deviations, the reliability index of the point. Null where the density is zero."""
@@ -21,7 +22,7 @@ class Likelihood(Described):
     """The probability that a draw is no more likely than this case; of normal distributions that it is at least as far
     from the mean."""
     parameters: int = 0
-    """How many parameters count: all but uncorrelated uniform ones."""
+    """How many parameters count: all but uncorrelated uniform ones; 0 also where the density is unbounded."""
 
 
 class LikelyFinding(Finding):

@@ -39,13 +39,16 @@ class QuantileBound(Described):
 
 
 class Distribution(Result):
-    """The empirical distribution function, and half the width of the band around it, which holds for draws within the
-    bounds that are not excluded."""
+    """The empirical distribution function, and half the width of the band around it, which holds for the stated
+    distributions within the bounds, without what is excluded."""
 
     values: list[float]
+    """Distinct and ascending; those of earlier versions repeat equal ones."""
     shares: list[float]
     """The fraction of the sample at or below each value."""
     band: float
+    """Where draws of correlated normal parameters beyond the bounds were redrawn, their probability is added; with
+    excluded draws it is then 1."""
 
 
 class Sample(Described):

@@ -42,7 +42,7 @@ class Case:
     """One finding: the value to state for it and its margin [unit of the criterion], parameters by path.
 
     evaluated: by the search, if another evaluation of a confirmed violation is milder and therefore stated. likelihood:
-    under the stated distributions, a clause; empty where it distinguishes nothing. seed: of the noise, if it was drawn
+    under the stated distributions, a clause; empty where none is stated. seed: of the noise, if it was drawn
     for this case: without it the value does not follow from the parameters. confirmed: of one at or below the
     threshold, whether it violates when evaluated again as well."""
 

@@ -340,11 +340,12 @@ class Validation(Answer):
 class Likelihood(Answer):
     """How likely a case is under the campaign's distributions, whatever the units and the number of parameters.
 
-    All numbers are None where every point of the box is equally likely, and where there is no highest density.
+    All numbers are None where every point of the box is equally likely, where there is no highest density, and where
+    correlated parameters are not normal, so that the highest one is not known.
     """
 
     density: float | None = None
-    """The density as a fraction of the highest one; correlated parameters count in the standard normal space."""
+    """The density as a fraction of the highest one."""
     distance: float | None = None
     """The same as a distance: sqrt(-2 ln density). Of normal distributions the distance from the mean in standard
     deviations, the reliability index of the point. None where the density is zero.
@@ -354,7 +355,7 @@ class Likelihood(Answer):
     from the mean.
     """
     parameters: int | None = None
-    """How many parameters count: all but uncorrelated uniform ones."""
+    """How many parameters count: all but uncorrelated uniform ones; 0 also where the density is unbounded."""
     text: str
     """The sentence as plain text."""
 

@@ -23,7 +23,7 @@ class Likelihoods(NamedTuple):
     violation: MostLikely | None
 
     def text(self, label: str) -> str:
-        """The clause on a finding; empty where likelihood distinguishes nothing."""
+        """The clause on a finding; empty where no likelihood is stated."""
         of = self.findings.get(label)
         return "" if of is None or of.density is None else of.text
 

@@ -96,7 +96,7 @@ def test_the_audit_has_the_same_limits() -> None:
         "BASINS",
         "HALVED",
         "WIDER",
-        "PRINCIPLES",
+        "ALIKE",
         "RULES",
         "SMALLEST",
         "POINTS",

@@ -60,6 +60,8 @@ class Distributions:
         probabilities (union bound)."""
         if any(beyond[k] > 0.0 for k in self.mixed):
             self.outside = min(1.0, float(sum(beyond)))
+        self.redrawn = min(1.0, float(sum(beyond[k] for k in self.mixed)))
+        """An upper bound on the probability that `quantile` redraws a value of a draw."""
 
     @property
     def unbounded(self) -> list[int]:

@@ -54,7 +54,7 @@ def _principles(run: Run, k: int, member: str | None, leading: str) -> frozenset
     alone = member in of.apart if member else not (of.apart or rows)
     if alone or run.wording < limits.SHARED:
         return frozenset([leading])
-    sharing = [row for row in rows if row["member"] not in of.apart and run.wording >= limits.PRINCIPLES]
+    sharing = [row for row in rows if row["member"] not in of.apart and run.wording >= limits.ALIKE]
     return frozenset([leading, of.name, *(_principle(run, row["member"], row.get("family", "")) for row in sharing)])
 
 

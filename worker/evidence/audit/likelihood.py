@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import TypeVar
+from dataclasses import replace
+from typing import Any, TypeVar
 
 import numpy as np
 
@@ -10,6 +11,7 @@ from campaigns.densities.joint import Joint, joint
 from campaigns.densities.likelihood import Rows, likelihood, most_likely
 from campaigns.results.base import Described
 from campaigns.results.likelihood import MostLikely
+from worker.evidence.audit import limits
 from worker.evidence.audit.parts import OMIT, Finding, changed, made
 from worker.evidence.audit.recompute import Run
 
@@ -22,10 +24,19 @@ def likely(run: Run, findings: list[Finding]) -> tuple[list[Finding], MostLikely
     stated = [*run.claims["findings"], {"likelihood": run.claims.get("most_likely_violation")}]
     if (run.reworded or "run" in run.claims) and not any(one.get("likelihood") for one in stated):
         return findings, OMIT
-    of = joint(run.campaign, run.bounds)
+    of = replace(joint(run.campaign, run.bounds), by_scores=run.written < limits.ALIKE and _by_scores(stated))
     points = [np.array(recorded["point"]) for recorded in run.claims["findings"]]
     known = [f._replace(likelihood=_stated(run, likelihood(of, at))) for f, at in zip(findings, points, strict=True)]
     return known, _violation(run, of)
+
+
+def _by_scores(stated: list[Any]) -> bool:
+    """Whether the record of an earlier version states what that version computed: a service computes the likelihoods of
+    stored runs when it is asked, so that records of theirs may state what later versions do."""
+    *findings, violation = [one.get("likelihood") or {} for one in stated]
+    case = violation.get("case") or {}
+    measured = [one.get("density") is not None for one in (*findings, case.get("likelihood") or {})]
+    return any(measured) or not case
 
 
 def _violation(run: Run, of: Joint) -> MostLikely:

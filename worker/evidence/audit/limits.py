@@ -46,9 +46,14 @@ calls where single ones would be confirmed so."""
 WIDER = 15
 """The version since which more is looked at: flights of all stages after the horizon; for an estimate every violation
 of the independent sample; for a change the costs that are compared alone, not the nominal one."""
-PRINCIPLES = 17
-"""The version since which a search whose members share is no second principle beside one by that of a member."""
-RULES = PRINCIPLES
+ALIKE = 17
+"""The version since which a search whose members share is no second principle beside one by that of a member; since
+which no density as a fraction of the highest one is stated of correlated parameters that are not normal; since which
+the band of a distribution function is wider by the probability that a draw was moved inside the bounds; since which
+equal values of it are one, with the fraction of all costs at or below."""
+RULES = max(
+    BASINS, BASELINES, BESIDE, ROUNDED, TAILS, LOWEST, SHARED, CALLED, AFTER, VIOLATING, WHOLE, HALVED, WIDER, ALIKE
+)  # fmt: skip
 """The version since which the rules are those of today."""
 POINTS, TIMES = 5, 3
 """Of a simulator: how many points are evaluated to measure whether it repeats, and how often each."""

@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from campaigns import Catalogue, cube
+from campaigns import Campaign, Catalogue, cube
 from campaigns.asked.values import Option
 from campaigns.checked.check import parameters, seeded
 from campaigns.claims.wording import reworded
@@ -70,14 +70,36 @@ def histogram(costs: Any) -> Histogram:
     return made(Histogram, edges=edges.tolist(), counts=found.tolist())
 
 
-def distribution(costs: Any, failed: int, confidence: float) -> Distribution:
-    """The empirical distribution function of a sample's sorted costs, of which each failed one is the lowest."""
+def distribution(costs: Any, failed: int, confidence: float, moved: float, ties: bool) -> Distribution:
+    """The empirical distribution function of a sample's sorted costs, of which each failed one is the lowest; ties:
+    whether equal values are one."""
     size, every = len(costs), failed + len(costs)
     even = np.linspace(0, size - 1, min(size, counted.STEPS)).astype(np.int64)
     chosen = np.union1d(np.arange(min(size, counted.LOWEST)), even)
-    band = min(1.0, math.sqrt(math.log(2.0 / (1.0 - confidence)) / (2.0 * every))) if every else 1.0
-    shares = ((failed + chosen + 1) / max(every, 1)).tolist()
-    return made(Distribution, values=costs[chosen].tolist(), shares=shares, band=band)
+    band = counted.band(every, confidence, moved)
+    values, ranks = costs[chosen], chosen + 1
+    if ties:
+        equal, times = np.unique(costs, return_counts=True)
+        listed = np.isin(equal, values)
+        values, ranks = equal[listed], np.cumsum(times)[listed]
+    shares = ((failed + ranks) / max(every, 1)).tolist()
+    return made(Distribution, values=values.tolist(), shares=shares, band=band)
+
+
+def _tails(campaign: Campaign, bounds: Mapping[str, tuple[float, float]]) -> dict[str, float]:
+    """The probability beyond its bounds of every unbounded normal parameter."""
+    tails = {}
+    for path, (low, high) in bounds.items():
+        of = campaign.uncertain[path].distribution
+        if of.kind == "normal":
+            ends = (of.mean - low) / of.deviation, (high - of.mean) / of.deviation
+            tails[path] = sum(math.erfc(end / math.sqrt(2)) / 2 for end in ends)
+    return tails
+
+
+def _mixed(campaign: Campaign) -> set[str]:
+    """The correlated parameters."""
+    return {path for c in campaign.correlations if c.value != 0.0 for path in c.between}
 
 
 def _finite(value: float) -> float | None:
@@ -328,15 +350,17 @@ class Run:
             return found
         if before is not None:
             return changed(found, bound_samples=before, quantile=None, distribution=None)
-        level, shown = self.campaign.confidence, OMIT
+        level, shown, ties = self.campaign.confidence, OMIT, self.wording >= limits.ALIKE
+        moved = self.moved() if ties else 0.0
+        moved = 1.0 if moved > 0.0 and excluded else moved  # what fraction of those not excluded is not known
         quantile = _of_quantile(size, certify.quantile - outside, level)
         rank = quantile.order
         if blocks is not None:
             costs = costs[: counted.KEPT]
-            shown = counted.distribution(blocks, costs, level)
+            shown = counted.distribution(blocks, costs, level, moved, ties)
             bound = None if rank is None else counted.value(blocks, costs, rank)
         else:
-            shown = distribution(costs, failed, level) if self.sealed else OMIT
+            shown = distribution(costs, failed, level, moved, ties) if self.sealed else OMIT
             bound = None if rank is None or rank <= failed else float(costs[rank - failed - 1])
         needed = _needed(certify.quantile - outside, level) if self.sealed else OMIT
         share = certify.quantile if self.sealed else OMIT
@@ -360,16 +384,12 @@ class Run:
 
     def outside(self) -> float:
         """The probability that unbounded normal draws lie beyond the bounds; the sum of tails where correlated."""
-        tails = {}
-        for path, (low, high) in self.bounds.items():
-            distribution = self.campaign.uncertain[path].distribution
-            if distribution.kind == "normal":
-                ends = (
-                    (distribution.mean - low) / distribution.deviation,
-                    (high - distribution.mean) / distribution.deviation,
-                )
-                tails[path] = sum(math.erfc(end / math.sqrt(2)) / 2 for end in ends)
-        mixed = {path for c in self.campaign.correlations if c.value != 0.0 for path in c.between}
+        tails, mixed = _tails(self.campaign, self.bounds), _mixed(self.campaign)
         if any(tail > 0.0 and path in mixed for path, tail in tails.items()):
             return min(1.0, sum(tails.values()))
         return 1.0 - math.prod(1.0 - tail for tail in tails.values())
+
+    def moved(self) -> float:
+        """What the probability of a draw that was moved inside the bounds is at most: correlated ones are."""
+        mixed = _mixed(self.campaign)
+        return min(1.0, sum(tail for path, tail in _tails(self.campaign, self.bounds).items() if path in mixed))

@@ -11,9 +11,14 @@ import type { RunData, UncertainParameter } from '../data/data'
 import { tables } from '../../ui/styles'
 import styles from './findings.module.css'
 
-/** Whether likelihood distinguishes the findings; in a box all points are equally likely. */
+/** Whether findings have a likelihood in numbers. */
 export const isLikely = (findings: readonly FindingDetail[]): boolean =>
   findings.some(({ likelihood }) => likelihood !== null && likelihood.density !== null)
+
+/** Whether one point is more likely than another; in a box all are equally likely. It needs no number: the densities of
+ * correlated parameters that are not normal are compared, but the highest is not known. */
+const distinguishes = (findings: readonly FindingDetail[]): boolean =>
+  findings.some(({ likelihood }) => likelihood !== null && likelihood.parameters > 0)
 
 /** The distance in standard deviations, and how many draws are no more likely. */
 export function LikelyCell({ likelihood }: { likelihood: Likelihood | null }) {
@@ -38,7 +43,7 @@ interface RowProps {
 /** The most likely violation, where findings violate and likelihood distinguishes them. */
 export function MostLikelyRow(props: RowProps) {
   const { run, findings } = props.data
-  const there = isLikely(findings) && findings.some(({ margin }) => margin <= 0)
+  const there = distinguishes(findings) && findings.some(({ margin }) => margin <= 0)
   const { data: most, isError } = useQuery({ ...mostLikelyQuery(run.id), enabled: there })
   if (there && isError && !most) return <NotLoaded />
   return there && most ? <LikelyViolation {...props} most={most} /> : null
@@ -59,7 +64,7 @@ export function LikelyViolation({ data, decimals, between, most }: RowProps & { 
       {hasScenario(data.campaign) && <td />}
       <td className="num b">{fixed(found.cost, decimals)}</td>
       <td className="num b bad-t">{margin(found.margin, decimals)}</td>
-      <LikelyCell likelihood={found.likelihood} />
+      {isLikely(data.findings) && <LikelyCell likelihood={found.likelihood} />}
       {between > 0 && <td colSpan={between} />}
       <Places of={{ ...found, at_bounds: {} }} parameters={data.parameters} />
       <td colSpan={3} className="sec small">

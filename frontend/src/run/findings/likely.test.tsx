@@ -1,13 +1,15 @@
 // How likely findings are: numbers only where they were computed, and the most likely violation as what it is.
+import { QueryClient, QueryClientProvider } from '@tanstack/react-query'
 import { renderToStaticMarkup } from 'react-dom/server'
 import { expect, it } from 'vitest'
 import { finding, run } from '../../../tests/fixtures'
 import { asCampaign } from '../../api/campaign'
+import { mostLikelyQuery } from '../../api/queries'
 import type { Likelihood, MostLikely } from '../../client'
 import { NONE } from '../../format/numbers'
 import { words } from '../../format/spans'
 import type { RunData } from '../data/data'
-import { isLikely, LikelyCell, LikelySentence, LikelyViolation } from './Likely'
+import { isLikely, LikelyCell, LikelySentence, LikelyViolation, MostLikelyRow } from './Likely'
 
 const text = (html: string) => html.replace(/<[^>]+>/g, ' ').replace(/\s+/g, ' ').replace(/ \./g, '.').trim()
 const said = (sentence: string) => ({ text: sentence, statement: [words(sentence)] })
@@ -46,4 +48,18 @@ it('shows the most likely violation as one of those that were evaluated, and non
   expect(shown).toContain('Most likely violation 0.90 −0.10 4')
   expect(shown).toContain('The most likely of the 12 stored violations, not of all.')
   expect(row({ ...MOST, case: null })).toBe('')
+})
+
+it('shows the most likely violation also where no density is stated as a fraction of the highest, without a number', () => {
+  const likelihood: Likelihood = { ...BOX, ...said('no likelihood is stated: a is correlated but not normal'), parameters: 2 }
+  const skewed = { ...data, findings: [finding('F1', { likelihood })] }
+  const most: MostLikely = { ...MOST, case: MOST.case && { ...MOST.case, likelihood } }
+  const shown = text(renderToStaticMarkup(<LikelyViolation data={skewed} decimals={2} between={2} most={most} />))
+  expect(shown).toContain('Most likely violation 0.90 −0.10 The most likely of')
+  const client = new QueryClient()
+  client.setQueryData(mostLikelyQuery(ended.id).queryKey, most)
+  const inTable = (of: RunData) =>
+    text(renderToStaticMarkup(<QueryClientProvider client={client}><MostLikelyRow data={of} decimals={2} between={2} /></QueryClientProvider>))
+  expect(inTable({ ...skewed, findings: [finding('F1', { likelihood, margin: -0.1 })] })).toBe(shown)
+  expect(inTable({ ...skewed, findings: [finding('F1', { likelihood: BOX, margin: -0.1 })] })).toBe('')
 })

@@ -82,11 +82,57 @@ def test_what_cannot_be_stated_is_refused_with_the_reason() -> None:
     heaps = likelihood(made(BELL, Beta(alpha=0.5, beta=2.0)), np.array([0.5, 0.3]))
     assert [getattr(heaps, name) for name in NUMBERS] == [None] * 3
     assert heaps.statement == claims.unbounded(["a.1"])
-    bound = likelihood(made(Uniform(), Uniform(), correlation=0.5), np.array([1.0, 0.3]))
-    assert [getattr(bound, name) for name in NUMBERS] == [None] * 3
-    assert bound.statement == claims.AT_BOUND
     corner = likelihood(made(Triangular(mode=5.0)), np.array([0.0]))
     assert (corner.density, corner.distance, corner.tail) == (0.0, None, 0.0)
+
+
+SKEWED = {
+    "uniform": (Uniform(), Uniform()),
+    "triangular": (Triangular(mode=6.0), Triangular(mode=5.5)),
+    "beta": (Beta(alpha=2.0, beta=5.0), Beta(alpha=3.0, beta=1.5)),
+    "truncated": (TruncatedNormal(mean=5.0, deviation=2.0), TruncatedNormal(mean=5.5, deviation=1.0)),
+    "normal and uniform": (Normal(mean=5.0, deviation=0.3), Uniform()),
+}
+"""Correlated parameters of which not all are normal."""
+STEP = 0.04
+"""Half the width of the cells in which draws are counted."""
+
+
+@pytest.mark.parametrize("correlation", [0.9, -0.6])
+@pytest.mark.parametrize("kinds", SKEWED)
+def test_of_correlated_parameters_that_are_not_normal_only_the_order_is_stated(kinds: str, correlation: float) -> None:
+    """No share of the draws follows from the distance in the standard normal space; how many draws are near a point
+    shows which is more likely."""
+    of = made(*SKEWED[kinds], Triangular(mode=5.0), correlation=correlation)
+    draws = drawn(*SKEWED[kinds], correlation=correlation, count=400_000)
+    points = np.random.default_rng(5).uniform(STEP, 1.0 - STEP, (40, 2))
+    near = [int((np.abs(draws - at) <= STEP).all(axis=1).sum()) for at in points]
+    points = np.column_stack([points, np.full(40, 0.5)])
+    for one, other in zip(range(40), range(1, 40), strict=False):
+        few, many = sorted((near[one], near[other]))
+        if many < max(100, 1.7 * few):
+            continue  # cells are too coarse and draws too few to tell which is more likely
+        pair = Rows(1, 0, points[[one, other]], np.zeros((2, 1)), np.array([OK, OK], np.uint8))
+        case = most_likely(1.0, of, {"a.0": 5.0, "a.1": 5.0, "a.2": 5.0}, [pair], "m").case
+        assert case is not None
+        assert case.index == int(near[other] > near[one])
+        assert [getattr(case.likelihood, name) for name in NUMBERS] == [None] * 3
+        assert (case.likelihood.parameters, case.likelihood.statement) == (3, claims.skewed(of.skewed))
+
+
+def test_a_corner_is_no_less_likely_than_what_is_beside_it() -> None:
+    of = made(Uniform(), Uniform(), correlation=0.9)
+    for k, corner in enumerate(([0.0, 0.0], [1.0, 1.0])):
+        ranks = of.ranks(np.array([corner, np.abs(np.array(corner) - 1e-9), [0.5, 0.5], [0.0, 0.5], [k, 1.0 - k]]))
+        assert (np.diff(ranks) < 0.0).all()
+    assert of.ranks(np.array([[0.0, 0.0]])) == pytest.approx(of.ranks(np.array([[1.0, 1.0]])))
+
+
+def test_findings_without_a_number_have_one_line() -> None:
+    reason = claims.skewed(["a.0", "a.1"])
+    assert claims.lines({"F1": reason, "F2": reason}, ()) == [reason]
+    assert len(claims.lines({"F1": reason, "F2": claims.UNIFORM}, ())) == 2
+    assert len(claims.lines(dict.fromkeys(("F1", "F2"), claims.likelihood(0.5, 1.2, 0.4, 2, 2)), ())) == 2
 
 
 def rows(position: int, first: int, points: list[float], costs: list[float], status: list[int], **more: Any) -> Rows:

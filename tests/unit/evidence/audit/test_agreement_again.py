@@ -84,7 +84,7 @@ def test_searches_of_one_method_whose_members_share_confirm_each_other_only_in_e
     assert judged(wording=10, alone=0.43) is parts
 
 
-@pytest.mark.parametrize(("wording", "agree"), [(limits.PRINCIPLES, False), (limits.PRINCIPLES - 1, True)])
+@pytest.mark.parametrize(("wording", "agree"), [(limits.ALIKE, False), (limits.ALIKE - 1, True)])
 @pytest.mark.parametrize("stated", ["population", ""], ids=["stated", "forged"])
 def test_a_search_by_the_principle_of_a_member_that_shares_confirms_nothing_but_in_earlier_versions(
     wording: int, agree: bool, stated: str

@@ -61,6 +61,10 @@ def needed(fraction: float, confidence: float) -> int | None:
     return size
 
 
-def band(samples: int, confidence: float) -> float:
-    """Half the width of the band around the sample's distribution function that holds the whole one of its draws."""
-    return min(1.0, math.sqrt(math.log(2.0 / (1.0 - confidence)) / (2.0 * samples))) if samples else 1.0
+def band(samples: int, confidence: float, redrawn: float = 0.0) -> float:
+    """Half the width of the band around the sample's distribution function that holds the whole one within the bounds.
+
+    redrawn: the probability of a draw that was moved inside, by which the distribution of the draws may differ from the
+    one within the bounds, however many there are.
+    """
+    return min(1.0, math.sqrt(math.log(2.0 / (1.0 - confidence)) / (2.0 * samples)) + redrawn) if samples else 1.0

@@ -74,6 +74,8 @@ class Sample:
     """Whether it is of a simulator, which may exclude draws for reasons of its own."""
     seed: str = ""
     """Which seed it has, in words; empty if it was drawn at the launch."""
+    redrawn: float = 0.0
+    """An upper bound on the probability that a draw was moved inside the bounds."""
 
     @staticmethod
     def of(columns: Columns, problem: Problem, confidence: float, noise: Noise | None = None, seed: str = "") -> Sample:
@@ -146,12 +148,16 @@ class Sample:
         )
 
     def distribution(self) -> Distribution:
-        """The empirical distribution function: values and the fraction of the sample at or below each; its band."""
+        """The empirical distribution function: values and the fraction of the sample at or below each; its band.
+
+        Where draws are excluded, the fraction of the others that were moved inside the bounds is not known.
+        """
         values, ranks = self.shape.curve()
+        redrawn = 1.0 if self.redrawn > 0.0 and self.excluded else self.redrawn
         return Distribution(
             values=values,
             shares=[(self.failed + rank) / max(self.size, 1) for rank in ranks],
-            band=claims.band(self.size, self.confidence),
+            band=claims.band(self.size, self.confidence, redrawn),
         )
 
     @property
@@ -163,8 +169,9 @@ class Sample:
 def _sample(
     shape: Shape, counts: tuple[int, int, int], problem: Problem, confidence: float, noise: Noise | None, seed: str
 ) -> Sample:
-    simulator, outside = problem.campaign.simulator is not None, problem.distributions.outside
-    return Sample(shape, *counts, outside, confidence, noise or Noise.stated(problem.realisations), simulator, seed)
+    simulator, drawn = problem.campaign.simulator is not None, problem.distributions
+    noise = noise or Noise.stated(problem.realisations)
+    return Sample(shape, *counts, drawn.outside, confidence, noise, simulator, seed, drawn.redrawn)
 
 
 def certifying(seed: SampleSeed) -> str:

@@ -60,12 +60,13 @@ class Ordered:
         return Histogram(edges=edges.tolist(), counts=counts.tolist())
 
     def curve(self) -> tuple[list[float], list[int]]:
-        """Points of the distribution function: values, and how many costs are at or below each."""
-        # All of the lowest values, and evenly spaced ones of the rest.
+        """Points of the distribution function: distinct values, and how many costs are at or below each."""
+        # The lowest values, and evenly spaced ones of the rest.
         size = len(self.costs)
         lowest = np.arange(min(size, STEPS // 4))
         chosen = np.union1d(lowest, np.linspace(0, size - 1, min(size, STEPS)).astype(np.int64))
-        return [float(self.costs[i]) for i in chosen], [int(i) + 1 for i in chosen]
+        values = np.unique(self.costs[chosen])
+        return values.tolist(), np.searchsorted(self.costs, values, side="right").tolist()
 
 
 @dataclass(frozen=True)
@@ -118,11 +119,19 @@ class Binned:
         return Histogram(edges=[*ends[starts].tolist(), float(ends[last])], counts=counts.tolist())
 
     def curve(self) -> tuple[list[float], list[int]]:
-        lowest = self._lowest[: STEPS // 4]
-        values, ranks = lowest.tolist(), [*range(1, len(lowest) + 1)]
-        places = np.flatnonzero((self.counted.bins > 0) & (self._through > len(lowest)))[:-1]
+        if not self.known:
+            return [], []
+        kept = self._lowest
+        lowest = np.unique(kept[: STEPS // 4])
+        if len(kept) < self.known:  # how many costs are equal to the last one that is kept is not known
+            lowest = lowest[lowest < kept[-1]]
+        ranks = np.searchsorted(kept, lowest, side="right")
+        places = np.flatnonzero((self.counted.bins > 0) & (self._through > max(ranks, default=0)))[:-1]
         places = places[:: -(-max(len(places), 1) // STEPS)]
-        return [*values, *self._edges[places].tolist()], [*ranks, *self._through[places].tolist()]
+        values = [*lowest.tolist(), *self._edges[places].tolist()]
+        if not values and self.counted.highest is not None:
+            return [self.counted.highest], [self.known]
+        return values, [*ranks.tolist(), *self._through[places].tolist()]
 
 
 Shape = Ordered | Binned

@@ -7,6 +7,7 @@ values are those of the vehicle's path, sampled densely, with the obstacle's mot
 from __future__ import annotations
 
 import math
+from copy import copy
 from functools import cache
 from types import SimpleNamespace
 from typing import Any
@@ -16,15 +17,21 @@ import pytest
 
 from campaigns import library, load_file
 from campaigns.asked.load import load_document
+from campaigns.results.trace import Closest
 from clearance.testing.problems import Problem
+from tests.given.late_obstacles import TRAIN
 from tests.given.reference_in_python import part
+from tests.physics.drifting import CONTROLLER, PLANAR_AVOIDER, PLANAR_VEHICLE
 from tests.physics.scenes import uncompiled
 from worker.engine.kernels.bind import filled
 from worker.engine.kernels.lanes import plain_ops
+from worker.engine.kernels.layout import Parts
 from worker.engine.reference import closed, flight
 from worker.engine.reference.reference import Reference
 from worker.engine.systems.base import Floats
 from worker.engine.systems.closed_loop.assemble import Loop
+from worker.engine.systems.closed_loop.trace import trace
+from worker.running.catalogue.installed import components
 
 STEP, WITHIN, SPEED = 0.005, 34, 60.0
 """The time step [s], the step in which the obstacle turns, its speed [m/s]."""
@@ -86,7 +93,8 @@ class Encounter:
 
     def __init__(self, criterion: str, motion: str, phase: float) -> None:
         self.flights = scene(criterion).system
-        at, when = path(criterion), (WITHIN + phase) * STEP
+        at, self.when = path(criterion), (WITHIN + phase) * STEP
+        when = self.when
         ahead = at[WITHIN + 1] - at[WITHIN]
         ahead /= np.hypot(*ahead)
         here = at[WITHIN] + phase * (at[WITHIN + 1] - at[WITHIN])
@@ -119,6 +127,14 @@ class Encounter:
         assert made.status[0] == 0.0
         return float(made.costs[0, 0])
 
+    def closest(self) -> Closest:
+        """The closest approach of the trace."""
+        flights = copy(self.flights)
+        flights.nominal = self.row
+        found = trace(flights, "nominal", {}).meta.closest
+        assert found is not None
+        return found
+
     def by_the_reference(self) -> float | None:
         reference = Reference(self.flights)
         reference.__dict__["_system"] = SimpleNamespace(address=interpreted(self.flights.loop)), flight.fly
@@ -149,3 +165,37 @@ def test_the_reference_finds_the_pass(
     monkeypatch.setattr(flight, "READINGS", 27)  # samples as far apart as those of a simulation of 15 s
     met = Encounter(criterion, motion, phase)
     assert met.by_the_reference() == pytest.approx(met.lowest, abs=1e-4)
+
+
+@PHASES
+@MOTIONS
+@CRITERIA
+def test_the_loop_finds_the_pass(criterion: str, motion: str, phase: float) -> None:
+    met = Encounter(criterion, motion, phase)
+    assert [met.by_the_loop(1), met.by_the_loop(2)] == pytest.approx([met.lowest] * 2, abs=1e-4)
+
+
+@MOTIONS
+def test_the_closest_approach_of_a_trace_is_that_of_the_pass(motion: str) -> None:
+    met = Encounter("separation", motion, 0.81)
+    closest = met.closest()
+    assert closest.obstacle == (0 if motion == "stops" else 1)
+    assert closest.time == pytest.approx(met.when - AHEAD / SPEED, abs=1e-4)
+
+
+@pytest.mark.parametrize("ended", ["declared", "from its legs"])
+def test_an_obstacle_of_ones_own_divides_the_step_in_which_a_leg_ends(ended: str) -> None:
+    """The vehicle is at rest 1 m from the place at which it stops, which is within the step."""
+    known: Any = components()
+    own = TRAIN if ended == "from its legs" else known["obstacle", "moving_circle"]
+    parts = Parts(PLANAR_VEHICLE, CONTROLLER, PLANAR_AVOIDER, (own,), known["criterion", "surface_separation"])
+    loop = Loop(parts, lanes=1, compiled=False)
+    assert loop.channels.turns == ((0, 0),)
+    values = {f"{s.prefix}.{p.name}": p.default for s in loop.sections for p in s.parameters}
+    values |= {"vehicle.vx": 1.0, "criterion.threshold": -1e3, "obstacles.0.speed": 100.0, "obstacles.0.radius": 0.1}
+    values |= {"obstacles.0.position.x": -100.0, "obstacles.0.position.y": 0.5}
+    values |= {"obstacles.0.goal.x": 2.7, "obstacles.0.goal.y": 0.5}
+    assert loop.part("turns")(loop.extend(np.array(list(values.values())))) == pytest.approx((1.027,))
+    made = loop.simulate(np.array([list(values.values())]), 0.05, 22)
+    body = values["criterion.body_radius"]
+    assert made.costs[0, 0] == pytest.approx(0.5 - 0.1 - body, abs=1e-4)

@@ -188,7 +188,6 @@ def judgement(s: Scenario) -> None:
 def _turns(s: Scenario) -> None:
     """The ends of legs: declared constants, else those of legs one after the other from t = 0."""
     f, ends = s.function("turns(p)"), []
-    leg = f"{s.names.module('worker.engine.physics.paths')}.leg"
     for i, k in s.channels.turns:
         prefix, rate = s.obstacles[i], s.component[s.obstacles[i]].rate
         if rate.stops:
@@ -199,6 +198,7 @@ def _turns(s: Scenario) -> None:
         start, end = (tupled(p.get(f"{name}.{a}", "0.0") for a in "xyz") for name in rate.legs[k : k + 2])
         speed = " * ".join([repr(rate.times), *(f"abs({p[name]})" for name in rate.of)])
         begins = f"leg_{i}_{k - 1}[4]" if k else "0.0"
+        leg = f"{s.names.module('worker.engine.physics.paths')}.leg"
         on = f"{p[rate.used]} > {k + 0.5}" if rate.used and k else "True"
         f.add(f"leg_{i}_{k} = {leg}({start}, {end}, {speed}, {begins}, {on})")
         ends.append(f"leg_{i}_{k}[4]")

@@ -1,6 +1,7 @@
 """How fast obstacles turn, from what their components declare: what moves within a step is not seen by sampling.
 
-`fastest` is the rate over intervals of an obstacle's parameters, `lasting` the time until a motion is over or repeats;
+`fastest` is the rate over intervals of an obstacle's parameters, `lasting` the time until a motion is over or repeats,
+`ends` the instants at which its legs end;
 `turning` gives the rate of every obstacle of a campaign over its bounds.
 """
 
@@ -8,7 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping
-from itertools import pairwise
+from itertools import accumulate, pairwise
 from typing import NamedTuple
 
 from campaigns.asked.spec import Campaign
@@ -46,6 +47,12 @@ def lasting(rate: RateEntry, values: Intervals) -> float:
         return sum(_lengths(rate, values)) / top if top else 0.0
     highest = fastest(rate, values)
     return 2.0 * math.pi / highest if highest else 0.0
+
+
+def ends(rate: RateEntry, values: Intervals) -> list[float]:
+    """The instants at which the legs of a path with exactly these values end [s]; none of another motion."""
+    top = _top(rate, values)
+    return [length / top for length in accumulate(_lengths(rate, values))] if rate.legs and top else []
 
 
 def corners(rate: RateEntry, values: Mapping[str, float]) -> list[tuple[float, ...]]:

@@ -69,7 +69,12 @@ PATIENCE = 5_000
 
 
 def flown(
-    system: System, instants: Any, asks: Any = None, before: float = 0.0, look: float = math.inf
+    system: System,
+    instants: Any,
+    asks: Any = None,
+    before: float = 0.0,
+    look: float = math.inf,
+    turns: bool = False,
 ) -> tuple[Floats, Floats]:
     """The result of `flight.fly`, and the last state."""
     instants = np.array(instants, dtype=float)
@@ -77,7 +82,7 @@ def flown(
     asked = np.zeros(len(instants) - 1, dtype=bool) if asks is None else np.array(asks)
     with np.errstate(all="ignore"):
         room = np.zeros((CHANNEL_ROWS, 1)), np.zeros(1), np.array([0.0, 0.0, 0.0, 0.0, look])
-        flight.fly(system, instants, asked, before, PATIENCE, b, *room, found)
+        flight.fly(system, instants, asked, np.full(len(asked), turns), before, PATIENCE, b, *room, found)
     return found, b[X]
 
 
@@ -222,6 +227,17 @@ class TestFlight:
         missed, _ = flown(System(slope, 0.0), instants, [True] * 10)
         followed, _ = flown(System(slope, 0.0), instants, [True] * 10, look=math.pi / 4.0 / (4.0 * math.pi))
         assert (missed[0], followed[0]) == (4.0, pytest.approx(2.005, abs=1e-12))
+        beside, _ = flown(System(slope, 0.0), instants, [True] * 10, turns=True)
+        assert beside[0] == pytest.approx(2.005, abs=1e-12)
+
+    @pytest.mark.parametrize("at", [1.0005, 1.0025, 1.9975, 1.9995])
+    def test_a_minimum_between_the_last_two_samples_of_a_step(self, at: float) -> None:
+        # It was lower before than beside the end of the step, but not as low as within it.
+        def slope(t: float, x: Floats, p: Floats) -> tuple[Any, Any]:
+            return 1.0, 1.5 if t < 1.0 else 1.0 + abs(t - at) / min(at - 1.0, 2.0 - at)
+
+        found, _ = flown(System(slope, 0.0), [0.0, 1.0, 2.0, 10.0], before=1e-8)
+        assert found[0] == pytest.approx(1.0, abs=1e-5)
 
     def test_a_minimum_at_either_end(self) -> None:
         up, _ = flown(System(lambda t, x, p: (1.0, x[0]), 2.0), [0.0, 1.0])

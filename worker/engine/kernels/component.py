@@ -194,8 +194,9 @@ class Rate:
     `times` the product of the magnitudes of the parameters `of`, over those of `per`: Rate(("speed",), ("way",)) on a
     circle. A path of straight legs between corners turns at most once in the time of its shortest leg:
     Rate(("speed",), legs=("position", "goal")); `used` is the parameter with the number of legs, `stops` of one leg the
-    derived constant with the instant at which it ends [s]. Like `Reach` it is data. A straight motion that never
-    ends, of a shape that does not turn, has Rate(times=0.0).
+    derived constant with the instant at which it ends [s]. Without `stops`, legs follow each other from t = 0 at that
+    speed: simulations are divided where they end, because a distance may have two minima in such a step. Like `Reach`
+    it is data. A straight motion that never ends, of a shape that does not turn, has Rate(times=0.0).
     """
 
     of: tuple[str, ...] = ()

@@ -164,6 +164,8 @@ class Channels:
     """First and last channel of each criterion by prefix, in channel order."""
     stops: tuple[int, ...] = ()
     """The obstacles whose stops the parabola of a channel does not follow."""
+    turns: tuple[tuple[int, int], ...] = ()
+    """The legs that divide the steps in which they end, if channels of obstacles are searched: obstacle, leg from 0."""
 
     @property
     def total(self) -> int:
@@ -185,7 +187,17 @@ def channels(parts: Parts) -> Channels:
     followed = [criterion for criterion in parts.criteria.values() if criterion.of == "obstacles"]
     stop = any(_over(criterion, parts.obstacles) == "refined" for criterion in followed)
     stops = [i for i, o in enumerate(parts.obstacles) if stop and o.rate is not None and o.rate.stops]
-    return Channels(refined, searched, steps, crossing, of, tuple(stops))
+    between = any(_over(criterion, parts.obstacles) in ("refined", "searched") for criterion in followed)
+    turns = [(i, k) for i, o in enumerate(parts.obstacles) if between for k in range(_legs(o))]
+    return Channels(refined, searched, steps, crossing, of, tuple(stops), tuple(turns))
+
+
+def _legs(obstacle: Obstacle) -> int:
+    """How many legs with known ends the path of an obstacle has."""
+    rate = obstacle.rate
+    if rate is None:
+        return 0
+    return 1 if rate.stops else max(0, len(rate.legs) - 1)
 
 
 def _over(criterion: Criterion, obstacles: Sequence[Obstacle]) -> str:

@@ -13,12 +13,15 @@ import numpy as np
 N_X = N_P = N_E = N_G = N_Y = N_K = N_Q = N_U = LANES = 0
 X = A = B = C = P = G = Y0 = Y1 = Y2 = LOW = K = STATUS = WHEN = SIZE = 0
 FROM = RATE = LAST = HELD = SEEN = NEAR = LEFT = RIGHT = AT = PREVIOUS = STOP = STOPPED = 0
+TURN = WITHIN = LATEST = 0
 SETTLES = SEARCHES = False
 REFINED = SEARCHED = STEPS = 0
 """The channels up to the first of these are refined by a parabola, then searched between steps, then read at the steps;
 the others are crossings."""
 N_S = 0
 """How many obstacles stop. Channels that are refined are searched in the steps about these instants."""
+N_T = 0
+"""How many legs of obstacles end. Channels are searched on either side of these instants, each for itself."""
 
 BEFORE = 1.0 - 1e-8
 """The last stage is evaluated just before the end of the step, so that a jump at the end belongs to the next step."""
@@ -48,7 +51,7 @@ def _slot(*_: Any) -> Any:
 load_x = load_p = store_p = load_raw = load_g = load_y = store_x = store_g = store_y = advance = combine = _slot
 magnitude_x = magnitude_y = load_q = advance_q = load_u = displaced = _slot
 extend = initial = initial_guidance = guide = closed_loop = settled = envelope = costs_of = _slot
-excluded = observation = store_k = stops = store_s = _slot
+excluded = observation = store_k = stops = store_s = turns = store_t = _slot
 
 
 def fly(params, dt, steps, every, costs, status, when, trace):  # type: ignore[no-untyped-def]
@@ -78,6 +81,8 @@ def fly(params, dt, steps, every, costs, status, when, trace):  # type: ignore[n
             b[WHEN + l] = 0.0
             if N_S:
                 store_s(b, STOP, l, stops(p))
+            if N_T:
+                store_t(b, TURN, l, turns(p))
         for k in range(N_Y * LANES):
             b[LOW + k] = np.inf
             b[Y1 + k] = np.inf
@@ -158,51 +163,77 @@ def fly(params, dt, steps, every, costs, status, when, trace):  # type: ignore[n
                 # through the states and derivatives at both ends of the step. Only where the channel rises at the end
                 # of the step, and changing twice as fast as ever could become lower than it has been; of others, in
                 # the steps that a parabola about the instant at which an obstacle stops would have covered.
-                for k in range(0 if N_S else REFINED, SEARCHED):
-                    some = 0.0
+                # A step in which an obstacle turns or stops is searched up to each of these instants as well, and up to
+                # its end from the last one: a channel may fall, rise and fall again.
+                pieces = 1
+                if N_T:
+                    turned = 0.0
                     for l in range(LANES):
-                        if k < REFINED:
-                            near = b[STOPPED + l] > 0.0
-                        else:
-                            at = k * LANES + l
-                            left = b[Y1 + at]
-                            right = b[Y0 + at]
-                            change = abs(right - left) if i > 0 else 0.0
-                            change = change if change > b[Y2 + at] else b[Y2 + at]
-                            least = (left if left < right else right) - 2.0 * change
-                            near = (least < b[LOW + at]) | (i == 1)
-                            b[Y2 + at] = change
-                            b[Y1 + at] = right
-                        b[NEAR + l] = 1.0 if near & (i > 0) & (b[STATUS + l] == OK) else 0.0
-                        b[LEFT + l] = 0.0
-                        b[RIGHT + l] = 1.0
-                        b[AT + l] = 1.0 - BESIDE
-                        some += b[NEAR + l]
-                    looks = 0
-                    while (looks < 2 * LOOKS) & (some > 0.0):
-                        beside = looks % 2 == 1
-                        for l in range(LANES):
-                            s = b[AT + l] + BESIDE if beside else b[AT + l]
-                            x = load_x(b, FROM, l)
-                            x = advance(x, s * s * (3.0 - 2.0 * s), advance(load_x(b, X, l), -1.0, x))
-                            x = advance(x, dt * s * (1.0 - s) * (1.0 - s), load_x(b, RATE, l))
-                            x = advance(x, dt * s * s * (s - 1.0), load_x(b, LAST, l))
-                            dx, y = closed_loop(since + s * dt, x, load_g(b, HELD, l), load_p(b, P, l))
-                            store_y(b, SEEN, l, y)
+                        latest = 0.0
+                        for j in range(N_T):
+                            at = j * LANES + l
+                            s = (b[TURN + at] - since) / dt
+                            inside = (s > 2.0 * BESIDE) & (s < 1.0 - 2.0 * BESIDE) & (i > 0)
+                            b[WITHIN + at] = s if inside else 0.0
+                            latest = b[WITHIN + at] if b[WITHIN + at] > latest else latest
+                        b[LATEST + l] = latest
+                        turned += latest
+                    pieces = 1 + N_T if turned > 0.0 else 1
+                for k in range(0 if N_S else REFINED, SEARCHED):
+                    for piece in range(pieces):
                         some = 0.0
                         for l in range(LANES):
-                            at = k * LANES + l
-                            seen = b[SEEN + at]
-                            rises = seen > b[PREVIOUS + l]
-                            here = b[AT + l]
-                            b[PREVIOUS + l] = seen
-                            b[LEFT + l] = here if beside & (not rises) else b[LEFT + l]
-                            b[RIGHT + l] = here if beside & rises else b[RIGHT + l]
-                            b[AT + l] = 0.5 * (b[LEFT + l] + b[RIGHT + l]) if beside else here
-                            b[NEAR + l] = 0.0 if (looks == 1) & (not rises) else b[NEAR + l]
-                            b[LOW + at] = seen if (b[NEAR + l] > 0.0) & (seen < b[LOW + at]) else b[LOW + at]
+                            begin = b[LATEST + l] if N_T else 0.0
+                            end = 1.0
+                            if piece > 0:
+                                end = b[WITHIN + (piece - 1) * LANES + l]
+                                begin = 0.0
+                                for j in range(N_T):
+                                    other = b[WITHIN + j * LANES + l]
+                                    begin = other if (other < end) & (other > begin) else begin
+                                near = end - begin > 2.0 * BESIDE
+                            elif k < REFINED:
+                                near = b[STOPPED + l] > 0.0
+                            else:
+                                at = k * LANES + l
+                                left = b[Y1 + at]
+                                right = b[Y0 + at]
+                                change = abs(right - left) if i > 0 else 0.0
+                                change = change if change > b[Y2 + at] else b[Y2 + at]
+                                least = (left if left < right else right) - 2.0 * change
+                                near = (least < b[LOW + at]) | (i == 1) | (begin > 0.0)
+                                b[Y2 + at] = change
+                                b[Y1 + at] = right
+                            b[NEAR + l] = 1.0 if near & (i > 0) & (b[STATUS + l] == OK) else 0.0
+                            b[LEFT + l] = begin
+                            b[RIGHT + l] = end
+                            b[AT + l] = end - BESIDE
                             some += b[NEAR + l]
-                        looks += 1
+                        looks = 0
+                        while (looks < 2 * LOOKS) & (some > 0.0):
+                            beside = looks % 2 == 1
+                            for l in range(LANES):
+                                s = b[AT + l] + BESIDE if beside else b[AT + l]
+                                x = load_x(b, FROM, l)
+                                x = advance(x, s * s * (3.0 - 2.0 * s), advance(load_x(b, X, l), -1.0, x))
+                                x = advance(x, dt * s * (1.0 - s) * (1.0 - s), load_x(b, RATE, l))
+                                x = advance(x, dt * s * s * (s - 1.0), load_x(b, LAST, l))
+                                dx, y = closed_loop(since + s * dt, x, load_g(b, HELD, l), load_p(b, P, l))
+                                store_y(b, SEEN, l, y)
+                            some = 0.0
+                            for l in range(LANES):
+                                at = k * LANES + l
+                                seen = b[SEEN + at]
+                                rises = seen > b[PREVIOUS + l]
+                                here = b[AT + l]
+                                b[PREVIOUS + l] = seen
+                                b[LEFT + l] = here if beside & (not rises) else b[LEFT + l]
+                                b[RIGHT + l] = here if beside & rises else b[RIGHT + l]
+                                b[AT + l] = 0.5 * (b[LEFT + l] + b[RIGHT + l]) if beside else here
+                                b[NEAR + l] = 0.0 if (looks == 1) & (not rises) else b[NEAR + l]
+                                b[LOW + at] = seen if (b[NEAR + l] > 0.0) & (seen < b[LOW + at]) else b[LOW + at]
+                                some += b[NEAR + l]
+                            looks += 1
             if trace.shape[0] > first:
                 for l in range(min(LANES, trace.shape[0] - first)):
                     for k in range(N_X):

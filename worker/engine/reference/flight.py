@@ -61,6 +61,8 @@ LARGEST, FARTHEST = 1e12, 1e300
 SPACINGS = 10.0
 """The shortest step, in multiples of the floating-point spacing at the current time."""
 
+ABOUT_TURNS = 20
+"""The smallest number of samples of the channels in a stretch at either end of which an obstacle turns or stops."""
 
 STEP, CALLS, MARK, WHEN, LOOK = range(5)
 """Elements of c, the state of the step control: next step [s]; calls since the last check of progress, and its time
@@ -68,15 +70,16 @@ STEP, CALLS, MARK, WHEN, LOOK = range(5)
 
 
 def fly(
-    system: Any, instants: Any, asks: Any, before: float, patience: int, b: Any, y: Any, p: Any, c: Any, found: Any
-) -> None:
+    system: Any, instants: Any, asks: Any, turns: Any, before: float, patience: int, b: Any, y: Any, p: Any, c: Any,
+    found: Any,
+) -> None:  # fmt: skip
     """Simulate a system through the stretches between n + 1 instants [s].
 
-    asks (n,): whether guidance is sampled at the start of each stretch; before: fraction of a stretch by which slopes
-    stay before its end; patience: calls of the right-hand side without progress; b, y, c: work arrays (ROWS, states),
-    (CHANNEL_ROWS, channels) and (5,); p: the system's parameters. Out: found (6,): the criterion's value; a status as
-    above; the end time [s]; the time from which the coarse tolerance was used [s], why (STUCK or SHORT, else 0), and
-    the time at which that was detected [s].
+    asks (n,): whether guidance is sampled at the start of each stretch; turns (n,): whether an obstacle turns or stops
+    at either end of it; before: fraction of a stretch by which slopes stay before its end; patience: calls of the
+    right-hand side without progress; b, y, c: work arrays (ROWS, states), (CHANNEL_ROWS, channels) and (5,); p: the
+    system's parameters. Out: found (6,): the criterion's value; a status as above; the end time [s]; the time from
+    which the coarse tolerance was used [s], why (STUCK or SHORT, else 0), and the time at which that was detected [s].
     """
     call(system, DRAW, (instants[0] + instants[1]) / 2.0, b, X, X, y, p)
     code = begun(instants[0], system, b, y, p, c)
@@ -96,7 +99,10 @@ def fly(
             b[SAVED, i] = b[X, i]
         for i in range(y.shape[1]):
             y[KEPT, i] = y[LOW, i]
-        code = stretch(start, end, until, relative, floor, horizon, patience, system, b, y, p, c)
+        spacing = min(horizon / READINGS, c[LOOK])
+        if turns[k]:
+            spacing = min(spacing, (end - start) / ABOUT_TURNS)
+        code = stretch(start, end, until, relative, floor, horizon, patience, spacing, turns[k], system, b, y, p, c)
         if code < OK and relative < COARSE:
             relative = floor = COARSE
             found[3], found[4], found[5] = start, code, c[WHEN]
@@ -106,7 +112,7 @@ def fly(
                 y[LOW, i] = y[KEPT, i]
             c[STEP], c[CALLS], c[MARK] = 0.0, 0.0, start
             patience *= LENIENT
-            code = stretch(start, end, until, relative, floor, horizon, patience, system, b, y, p, c)
+            code = stretch(start, end, until, relative, floor, horizon, patience, spacing, turns[k], system, b, y, p, c)
     for i in range(y.shape[1]):
         y[SEEN, i] = y[LOW, i]
     found[0] = call(system, COST, c[WHEN], b, X, X, y, p)
@@ -143,10 +149,13 @@ def judged(t: float, system: Any, b: Any, y: Any, p: Any) -> float:
 
 
 def stretch(
-    start: float, end: float, until: float, rel: float, floor: float, horizon: float, patience: int, system: Any,
-    b: Any, y: Any, p: Any, c: Any,
+    start: float, end: float, until: float, rel: float, floor: float, horizon: float, patience: int, spacing: float,
+    turns: bool, system: Any, b: Any, y: Any, p: Any, c: Any,
 ) -> float:  # fmt: skip
-    """Step from start to end and update the channels; returns the status, with the time at WHEN."""
+    """Step from start to end and update the channels; returns the status, with the time at WHEN.
+
+    spacing: that of the samples of the channels [s]; turns: whether every step is sampled.
+    """
     t = start
     call(system, SLOPE, t, b, X, K, y, p)
     for i in range(y.shape[1]):
@@ -175,7 +184,7 @@ def stretch(
         # A step cut short by the end of the stretch does not limit the next step size if its error is far below 1.
         c[STEP] = h * min(most, longer) if longer < GROW else max(c[STEP], h * most)
         most = GROW
-        read(t, h, until, min(horizon / READINGS, c[LOOK]), h > c[LOOK], system, b, y, p)
+        read(t, h, until, spacing, turns or h > c[LOOK], system, b, y, p)
         for i in range(b.shape[1]):
             b[X, i] = b[NEW, i]
             b[K, i] = b[K + STAGES, i]

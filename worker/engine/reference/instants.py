@@ -1,4 +1,4 @@
-"""The instants that divide a simulation into stretches: guidance samples and discontinuities."""
+"""The instants that divide a simulation into stretches: guidance samples, discontinuities, and turns of obstacles."""
 
 from __future__ import annotations
 
@@ -29,11 +29,13 @@ STUCK, PER_STRETCH = 1_500, 0.1
 class Stretches:
     """The stretches of one simulation: n + 1 instants [s]; whether guidance is sampled at the start of each of the n.
 
-    before: fraction of a stretch by which slopes stay before its end; patience: calls within which it must progress.
+    turns: whether an obstacle turns or stops at the start or the end of each; before: fraction of a stretch by which
+    slopes stay before its end; patience: calls within which it must progress.
     """
 
     instants: Floats
     asks: NDArray[np.bool_]
+    turns: NDArray[np.bool_]
     before: float
     patience: int
 
@@ -45,20 +47,26 @@ class Timetable:
         self.flights = flights
         self.horizon = flights.campaign.given_scenario.horizon
         self.ticks = _ticks(flights, self.horizon)
-        self._last: tuple[set[float], Stretches] | None = None
+        self._last: tuple[set[float], set[float], Stretches] | None = None
 
     def of(self, p: tuple[float, ...]) -> Stretches:
         """The stretches of a simulation with these extended parameters. Thread-safe."""
-        switches, last = _switches(self.flights, p, self.horizon), self._last
-        if last is None or last[0] != switches:
-            last = self._last = (switches, self._made(switches))
-        return last[1]
+        switches = _switches(self.flights, p, self.horizon)
+        turns = {t for t in self.flights.turns(p) if 0.0 < t < self.horizon}
+        last = self._last
+        if last is None or last[:2] != (switches, turns):
+            last = self._last = (switches, turns, self._made(switches, turns))
+        return last[2]
 
-    def _made(self, switches: set[float]) -> Stretches:
-        instants, sampled = _joined(self.ticks, switches), set(self.ticks)
+    def _made(self, switches: set[float], turns: set[float]) -> Stretches:
+        instants, sampled = _joined(self.ticks, switches | turns), set(self.ticks)
         asks = np.array([t in sampled for t in instants[:-1]])
         patience = STUCK + round(PER_STRETCH * len(asks))
-        return Stretches(np.array(instants), asks, BEFORE if switches else 0.0, patience)
+        at = np.zeros(len(instants), dtype=np.bool_)
+        for t in turns:  # one that is joined to another instant is there
+            at |= np.abs(np.array(instants) - t) <= APART
+        before = BEFORE if switches or at.any() else 0.0
+        return Stretches(np.array(instants), asks, at[:-1] | at[1:], before, patience)
 
 
 def _switches(flights: Flights, p: tuple[float, ...], horizon: float) -> set[float]:

@@ -46,7 +46,8 @@ ROUNDING = 1e-12
 def read(t: float, h: float, until: float, spacing: float, turns: bool, system: Any, b: Any, y: Any, p: Any) -> None:
     """Update LOW with the lowest values within the last step; OLD and SEEN hold the channels at its ends.
 
-    turns: whether an obstacle may turn so far within the step that its ends say nothing about its inside.
+    turns: whether an obstacle may turn so far within the step, or just before or after it, that its ends say nothing
+    about its inside.
     """
     near = turns
     for i in range(y.shape[1]):
@@ -85,13 +86,21 @@ def sample(t: float, h: float, until: float, spacing: float, system: Any, b: Any
             y[LOW, i] = min(y[LOW, i], y[RIGHT, i])
         for i in range(y.shape[1]):
             here = y[MID, i]
-            rise = max(y[LEFT, i], y[RIGHT, i]) - here
-            lowest = here <= y[LEFT, i] and here <= y[RIGHT, i]
-            if k > 0 and lowest and here - rise < y[LOW, i] - ROUNDING * abs(y[LOW, i]):
+            lowest = k > 0 and here <= y[LEFT, i] and here <= y[RIGHT, i]
+            if lowest and here - fall(left, mid, right, i, y) < y[LOW, i] - ROUNDING * abs(y[LOW, i]):
                 refine(t, h, left, right, until, i, system, b, y, p)
         for i in range(y.shape[1]):
             y[LEFT, i], y[MID, i] = y[MID, i], y[RIGHT, i]
         left, mid = mid, right
+
+
+def fall(left: float, mid: float, right: float, i: int, y: Any) -> float:
+    """How far a convex channel can fall below its middle sample: as far as the lines through either pair extend.
+
+    Beside an end of the step the samples are EDGE apart, so the other interval is far longer.
+    """
+    before, after = mid - left, right - mid
+    return max((y[LEFT, i] - y[MID, i]) * after / before, (y[RIGHT, i] - y[MID, i]) * before / after)  # type: ignore[no-any-return]
 
 
 def refine(

@@ -105,7 +105,7 @@ class Reference:
         first, last = loop.channels.of["criterion"]
         states, channels = np.zeros((ROWS, loop.n_state)), np.zeros((CHANNEL_ROWS, last - first))
         parameters = np.array((*p, *(0.0,) * (compiled.draws(loop) + loop.n_held)))
-        where = stretches.instants, stretches.asks, stretches.before, stretches.patience
+        where = stretches.instants, stretches.asks, stretches.turns, stretches.before, stretches.patience
         control = np.zeros(5)
         control[flight.LOOK] = max(self.flights.look(p), self.timetable.horizon / LOOKS)
         fly(system.address, *where, states, channels, parameters, control, found)

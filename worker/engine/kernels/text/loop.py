@@ -171,6 +171,8 @@ def judgement(s: Scenario) -> None:
     if s.channels.stops:
         f, stopping = s.function("stops(p)"), [s.obstacles[i] for i in s.channels.stops]
         f.add(f"return {tupled(f'{f.own(o)}.{s.component[o].rate.stops}' for o in stopping)}")
+    if s.channels.turns:
+        _turns(s)
     f = s.function("excluded(first, p)")
     f.add(f"return {f.call('criterion', s.parts.criterion.excluded, _channels(s, 'criterion', 'first'))}")
     f = s.function("cost(found, p)")
@@ -181,6 +183,26 @@ def judgement(s: Scenario) -> None:
         value = f.call(prefix, criterion.value, _channels(s, prefix, "found"))
         costs.append(f"-{value}" if criterion.worse == "high" else value)
     f.add(f"return {tupled(costs)}")
+
+
+def _turns(s: Scenario) -> None:
+    """The ends of legs: declared constants, else those of legs one after the other from t = 0."""
+    f, ends = s.function("turns(p)"), []
+    for i, k in s.channels.turns:
+        prefix, rate = s.obstacles[i], s.component[s.obstacles[i]].rate
+        if rate.stops:
+            ends.append(f"{f.own(prefix)}.{rate.stops}")
+            continue
+        section = next(each for each in s.sections if each.prefix == prefix)
+        p = {q.name: f"p[{section.first + n}]" for n, q in enumerate(section.parameters)}
+        start, end = (tupled(p.get(f"{name}.{a}", "0.0") for a in "xyz") for name in rate.legs[k : k + 2])
+        speed = " * ".join([repr(rate.times), *(f"abs({p[name]})" for name in rate.of)])
+        begins = f"leg_{i}_{k - 1}[4]" if k else "0.0"
+        leg = f"{s.names.module('worker.engine.physics.paths')}.leg"
+        on = f"{p[rate.used]} > {k + 0.5}" if rate.used and k else "True"
+        f.add(f"leg_{i}_{k} = {leg}({start}, {end}, {speed}, {begins}, {on})")
+        ends.append(f"leg_{i}_{k}[4]")
+    f.add(f"return {tupled(ends)}")
 
 
 def _channels(s: Scenario, prefix: str, found: str) -> str:

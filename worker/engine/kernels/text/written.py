@@ -37,6 +37,7 @@ FUNCTIONS = {
     "cost": "The value of the deciding criterion, from the reduced channels.",
     "costs_of": "The costs from the reduced channels, the deciding criterion first; lower is worse.",
     "stops": "The instants at which obstacles stop [s].",
+    "turns": "The instants at which legs of obstacles end [s].",
     "observation": "The columns of a trace: pose, inputs, references, the obstacles' centres, channels.",
 }
 """The functions that a text may have, with their docstrings."""

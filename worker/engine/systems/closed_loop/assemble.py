@@ -74,7 +74,7 @@ class Loop:
 
     @property
     def _slots(self) -> tuple[str, ...]:
-        return (*SLOTS, "stops") if self.channels.stops else SLOTS
+        return (*SLOTS, *(name for name in ("stops", "turns") if getattr(self.channels, name)))
 
     @cached_property
     def _fly(self) -> Any:
@@ -228,14 +228,16 @@ def _layout(made: Loop) -> dict[str, object]:
         "X": n_x, "A": n_x, "B": n_x, "C": n_x, "P": n_e, "G": n_g,
         "Y0": n_y, "Y1": n_y, "Y2": n_y, "LOW": n_y, "K": n_k, "STATUS": 1, "WHEN": 1,
     }  # fmt: skip
-    n_q, n_u, n_s = made.parts.vehicle.dimension, len(made.parts.vehicle.inputs), len(channels.stops)
+    n_q, n_u = made.parts.vehicle.dimension, len(made.parts.vehicle.inputs)
+    n_s, n_t = len(channels.stops), len(channels.turns)
     searches = channels.searched > 0 or n_s > 0
     if searches:
         rows |= {"FROM": n_x, "RATE": n_x, "LAST": n_x, "HELD": n_g, "SEEN": n_y}
         rows |= dict.fromkeys(("NEAR", "LEFT", "RIGHT", "AT", "PREVIOUS"), 1) | {"STOP": n_s, "STOPPED": 1}
+        rows |= {"TURN": n_t, "WITHIN": n_t, "LATEST": 1}
     slots: dict[str, object] = {"N_X": n_x, "N_P": n_p, "N_E": n_e, "N_G": n_g, "N_Y": n_y, "LANES": lanes}
     slots |= {"N_Q": n_q, "N_U": n_u, "REFINED": channels.refined, "SEARCHED": channels.refined + channels.searched}
-    slots |= {"STEPS": n_y - channels.crossing, "N_K": n_k, "N_S": n_s, "SEARCHES": searches}
+    slots |= {"STEPS": n_y - channels.crossing, "N_K": n_k, "N_S": n_s, "N_T": n_t, "SEARCHES": searches}
     slots["SETTLES"] = made.parts.vehicle.settle is not None
     offset = 0
     for name, count in rows.items():
@@ -248,7 +250,7 @@ def _layout(made: Loop) -> dict[str, object]:
         "load_x": x.load, "store_x": x.store, "advance": x.advance, "combine": x.combine,
         "load_p": p.load, "store_p": p.store, "load_raw": ops(n_p, lanes).load,
         "load_g": g.load, "store_g": g.store, "load_y": y.load, "store_y": y.store,
-        "store_k": ops(n_k, lanes).store, "store_s": ops(n_s, lanes).store,
+        "store_k": ops(n_k, lanes).store, "store_s": ops(n_s, lanes).store, "store_t": ops(n_t, lanes).store,
         "load_q": q.load, "advance_q": q.advance, "load_u": ops(n_u, lanes).load,
         "magnitude_x": x.magnitude, "magnitude_y": y.magnitude,
     }  # fmt: skip

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from copy import copy
 from functools import cached_property
 from typing import Self
@@ -11,8 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from campaigns import Campaign
+from campaigns.catalogue import RateEntry
 from campaigns.checked.check import simulation_problems
-from campaigns.checked.rates import fastest
+from campaigns.checked.rates import ends, fastest
 from campaigns.limits import TURN
 from campaigns.results.base import EXCLUDED, FAILED, OK
 from worker.engine.kernels import loop as closed_loop
@@ -90,13 +91,28 @@ class Flights:
 
     def look(self, p: Sequence[float]) -> float:
         """The longest interval between two looks that follow every obstacle [s], with these parameters."""
-        highest = 0.0
+        highest = max((fastest(rate, values) for _, rate, values in self._rates(p)), default=0.0)
+        return TURN / highest if highest > 0.0 else np.inf
+
+    def turns(self, p: Sequence[float]) -> set[float]:
+        """The instants at which obstacles on straight legs turn or stop [s], with these extended parameters."""
+        found: set[float] = set()
+        for i, rate, values in self._rates(p):
+            declared = self.parts.obstacles[i].rate
+            if declared is not None and declared.stops:
+                at = self.loop.extended[f"obstacles.{i}"]
+                found.add(getattr(at.fields(*p[at.first : at.last]), declared.stops))
+            else:
+                found.update(ends(rate, values))
+        return found
+
+    def _rates(self, p: Sequence[float]) -> Iterator[tuple[int, RateEntry, dict[str, tuple[float, float]]]]:
+        """The number of each obstacle that declares a rate, its rate, and the values of its parameters as intervals."""
         for i, obstacle in enumerate(self.parts.obstacles):
             entry = self.installed.catalogue.component("obstacle", obstacle.name)
             if entry is not None and entry.rate is not None:
                 values = {q.name: p[self.paths[f"obstacles.{i}.{q.name}"]] for q in entry.parameters}
-                highest = max(highest, fastest(entry.rate, {name: (v, v) for name, v in values.items()}))
-        return TURN / highest if highest > 0.0 else np.inf
+                yield i, entry.rate, {name: (v, v) for name, v in values.items()}
 
     def judge(self, codes: Floats, when: Floats) -> tuple[NDArray[np.uint8], dict[int, str]]:
         """The loop's codes as evaluation status, with the reason of every failed or excluded one."""

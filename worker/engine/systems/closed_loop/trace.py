@@ -213,15 +213,16 @@ def _vertex(channel: Floats, row: int) -> float:
 def _searched(flights: Flights, seen: Seen, case: SimulatedCase) -> tuple[int, int, float]:
     """The step, the obstacle, and the fraction of the step at which a channel with kinks is lowest.
 
-    Of a channel that changes no faster within a step than between its neighbours, only some steps can be that one.
+    Of a channel that changes no faster within a step than between its neighbours, only some steps can be that one, and
+    those in which an obstacle turns or stops.
     """
     channels = seen.deciding
     change = np.pad(np.abs(np.diff(channels, axis=0)), ((1, 1), (0, 0)), mode="edge")
     fastest = np.maximum(np.maximum(change[:-2], change[1:-1]), change[2:])
     least = 0.5 * (channels[:-1] + channels[1:] - fastest)
     found = (np.inf, 0, 0, 0.0)
-    for place in np.argsort(least, axis=None, kind="stable")[:PLACES]:
-        row, obstacle = (int(i) for i in np.unravel_index(place, least.shape))
+    places = [np.unravel_index(place, least.shape) for place in np.argsort(least, axis=None, kind="stable")[:PLACES]]
+    for row, obstacle in (*((int(i), int(k)) for i, k in places), *_turned(flights, case, len(least))):
         columns = flights.loop.observe(
             _within(flights, case, row), case.vector, flights.step / PIECES, first=row * PIECES
         )
@@ -229,6 +230,16 @@ def _searched(flights: Flights, seen: Seen, case: SimulatedCase) -> tuple[int, i
         at = int(np.argmin(inside))
         found = min(found, (float(inside[at]), row, obstacle, at / PIECES))
     return found[1:]
+
+
+def _turned(flights: Flights, case: SimulatedCase, steps: int) -> list[tuple[int, int]]:
+    """The steps in which obstacles turn or stop, each with the obstacle."""
+    loop = flights.loop
+    if not loop.channels.turns:
+        return []
+    turns = loop.part("turns")(loop.extend(case.vector))
+    found = [(t / flights.step, i) for t, (i, _) in zip(turns, loop.channels.turns, strict=True)]
+    return [(int(at), obstacle) for at, obstacle in found if 0.0 < at < steps]
 
 
 def _within(flights: Flights, case: SimulatedCase, row: int) -> Floats:

@@ -110,6 +110,7 @@ class Visit:
         Loading the whole application takes a second of processor time. It is loaded if the page is of another address,
         or if only the query changes, which no title shows.
         """
+        expect(self.page).not_to_have_title("Clearance")  # it is still being loaded, and may lead elsewhere
         here = urlsplit(self.page.url)
         if f"{here.scheme}://{here.netloc}" != self.address or here.path == urlsplit(path).path:
             self.go(path)

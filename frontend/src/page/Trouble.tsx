@@ -6,6 +6,7 @@ import { Refusal, statement } from '../api/problems'
 import { Button, ButtonLink } from '../ui/Button'
 import { cards, icons, layout } from '../ui/styles'
 import { PageHead } from './PageHead'
+import { useTitle } from './useTitle'
 import styles from './page.module.css'
 
 interface LoadingProps {
@@ -126,5 +127,6 @@ const HEADINGS: Record<string, string> = {
 const headingOf = (title: string): string => HEADINGS[title] ?? title.charAt(0).toUpperCase() + title.slice(1).toLowerCase()
 
 export function NotFound() {
+  useTitle('Page not found')
   return <Trouble error={new Refusal(404, 'Page not found', 'The address may be mistyped.')} />
 }

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
 from itertools import combinations
 from typing import Any
 
@@ -118,7 +117,7 @@ def family(run: Run, k: int) -> str:
     return _chosen(method, options) or method.name
 
 
-def _chosen(method: MethodEntry, options: Mapping[str, Any]) -> str:
+def _chosen(method: MethodEntry, options: Any) -> str:
     """The family of a method with these options."""
     chosen: list[str] = [
         by.get(str(options.get(name, _usual(method, name))), "") for name, by in method.families.items()

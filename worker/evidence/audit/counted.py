@@ -7,9 +7,7 @@ again here, by a program of its own.
 from __future__ import annotations
 
 import math
-from collections import Counter
 from collections.abc import Iterator
-from itertools import accumulate
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -17,7 +15,7 @@ import numpy as np
 from campaigns.claims.spans import Spans
 from campaigns.claims.stages import sample as templates
 from campaigns.results.base import OK
-from campaigns.results.sample import Beside, Blocks, Distribution, Histogram
+from campaigns.results.sample import Beside, Blocks, Histogram
 from worker.evidence.audit import draw, limits
 from worker.evidence.audit.binomial import upper_bound
 from worker.evidence.audit.parts import Counts, made, read
@@ -123,30 +121,6 @@ def histogram(blocks: Blocks) -> Histogram:
     ends = [min(b for b in blocks.lowest if b is not None), *edges(blocks).tolist(), blocks.highest]
     counts = [int(below[b] - below[a]) for a, b in zip(starts, [*starts[1:], last], strict=True)]
     return made(Histogram, edges=[ends[place] for place in (*starts, last)], counts=counts)
-
-
-def band(every: int, confidence: float, moved: float) -> float:
-    """Half the width of the band of Massart 1990; wider by the probability that a draw was moved inside the bounds."""
-    return min(1.0, math.sqrt(math.log(2.0 / (1.0 - confidence)) / (2.0 * every)) + moved) if every else 1.0
-
-
-def distribution(blocks: Blocks, kept: Any, confidence: float, moved: float, ties: bool) -> Distribution:
-    """The lowest values one by one, and the upper edges of bins; ties: whether equal values are one."""
-    failed, below = sum(blocks.failed), through(blocks)
-    every = int(below[-1]) + failed
-    values, ranks = kept[:LOWEST].tolist(), list(range(1, min(len(kept), LOWEST) + 1))
-    if ties:
-        equal, last = Counter(kept.tolist()), math.inf if len(kept) == below[-1] else kept[-1]
-        values = sorted(value for value in set(values) if value < last)
-        ranks = list(accumulate(equal[value] for value in values))
-    places = [p for p in sorted(blocks.places) if below[p] > max(ranks, default=0)]
-    places = places[:-1]
-    places = places[:: max(1, math.ceil(len(places) / STEPS))]
-    values, ranks = values + edges(blocks)[places].tolist(), ranks + [int(below[p]) for p in places]
-    if ties and below[-1] and not values:
-        values, ranks = [blocks.highest], [int(below[-1])]
-    shares = [(failed + rank) / max(every, 1) for rank in ranks]
-    return made(Distribution, values=values, shares=shares, band=band(every, confidence, moved))
 
 
 def value(blocks: Blocks, kept: Any, rank: int) -> float | None:

@@ -19,12 +19,13 @@ from campaigns.checked.check import parameters, seeded
 from campaigns.claims.wording import reworded
 from campaigns.results.base import EXCLUDED, OK
 from campaigns.results.finding import HalfStep, ReferenceCost, Repeated, Validation
-from campaigns.results.sample import Blocks, Distribution, Histogram, Noise, QuantileBound, Sample
+from campaigns.results.sample import Blocks, Histogram, Noise, QuantileBound, Sample
 from campaigns.stages.plan import plan
 from campaigns.versions import Versions
 from worker.evidence.audit import counted, limits
 from worker.evidence.audit.binomial import cumulative, least, upper_bound
 from worker.evidence.audit.calls import Calls
+from worker.evidence.audit.distribution import Drawn
 from worker.evidence.audit.parts import OMIT, REST, Counts, Finding, changed, made
 from worker.evidence.audit.record import MISSING, SEAL, Missing, Record
 
@@ -68,22 +69,6 @@ def histogram(costs: Any) -> Histogram:
         apart = max(0.5, 4 * float(np.spacing(abs(high))))
         return made(Histogram, edges=[low - apart, high + apart], counts=[len(known)])
     return made(Histogram, edges=edges.tolist(), counts=found.tolist())
-
-
-def distribution(costs: Any, failed: int, confidence: float, moved: float, ties: bool) -> Distribution:
-    """The empirical distribution function of a sample's sorted costs, of which each failed one is the lowest; ties:
-    whether equal values are one."""
-    size, every = len(costs), failed + len(costs)
-    even = np.linspace(0, size - 1, min(size, counted.STEPS)).astype(np.int64)
-    chosen = np.union1d(np.arange(min(size, counted.LOWEST)), even)
-    band = counted.band(every, confidence, moved)
-    values, ranks = costs[chosen], chosen + 1
-    if ties:
-        equal, times = np.unique(costs, return_counts=True)
-        listed = np.isin(equal, values)
-        values, ranks = equal[listed], np.cumsum(times)[listed]
-    shares = ((failed + ranks) / max(every, 1)).tolist()
-    return made(Distribution, values=values.tolist(), shares=shares, band=band)
 
 
 def _tails(campaign: Campaign, bounds: Mapping[str, tuple[float, float]]) -> dict[str, float]:
@@ -350,17 +335,19 @@ class Run:
             return found
         if before is not None:
             return changed(found, bound_samples=before, quantile=None, distribution=None)
-        level, shown, ties = self.campaign.confidence, OMIT, self.wording >= limits.ALIKE
-        moved = self.moved() if ties else 0.0
-        moved = 1.0 if moved > 0.0 and excluded else moved  # what fraction of those not excluded is not known
+        level = self.campaign.confidence
+        # What fraction of those that are not excluded was moved is not known.
+        moved = 1.0 if self.moved() > 0.0 and excluded else self.moved()
+        stated = (self.claims["results"][k].get("sample") or {}).get("distribution") or {}
+        function = Drawn(stated, level, moved, self.wording >= limits.ALIKE)
         quantile = _of_quantile(size, certify.quantile - outside, level)
         rank = quantile.order
         if blocks is not None:
             costs = costs[: counted.KEPT]
-            shown = counted.distribution(blocks, costs, level, moved, ties)
+            shown = function.of_blocks(blocks, costs)
             bound = None if rank is None else counted.value(blocks, costs, rank)
         else:
-            shown = distribution(costs, failed, level, moved, ties) if self.sealed else OMIT
+            shown = function.of_costs(costs, failed) if self.sealed else OMIT
             bound = None if rank is None or rank <= failed else float(costs[rank - failed - 1])
         needed = _needed(certify.quantile - outside, level) if self.sealed else OMIT
         share = certify.quantile if self.sealed else OMIT

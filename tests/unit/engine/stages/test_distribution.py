@@ -22,7 +22,8 @@ from worker.engine.stages import certify
 from worker.engine.stages.parts.claims import band
 from worker.engine.stages.parts.sample import Noise, Sample
 from worker.engine.stages.parts.shape import Binned, Ordered
-from worker.evidence.audit import counted, recompute
+from worker.evidence.audit import recompute
+from worker.evidence.audit.distribution import Drawn
 
 SIZE = 3000
 NORMAL = Normal(mean=0.0, deviation=1.0)
@@ -86,6 +87,10 @@ def test_the_audit_computes_the_same_probability_of_a_redrawn_value() -> None:
     assert recompute.Run.moved(run) < recompute.Run.outside(run)
 
 
+TODAY = Drawn({}, 0.95, 0.0, today=True)
+"""The audit's own, by the rules of today."""
+
+
 def tied(size: int, equal: int, of: Floats) -> Floats:
     """Costs of which so many are drawn from a few values."""
     generator = np.random.default_rng(7)
@@ -115,7 +120,7 @@ def test_equal_values_have_the_fraction_of_all_at_or_below(ties: str, size: int)
     costs = TIES[ties](size)
     values, ranks = Ordered(np.sort(costs)).curve()
     holds(values, np.array(ranks) / size, costs)
-    again = recompute.distribution(np.sort(costs), 0, 0.95, 0.0, ties=True)
+    again = TODAY.of_costs(np.sort(costs), 0)
     assert (again.values, again.shares) == (values, pytest.approx(np.array(ranks) / size))
     scale = Scale.over(costs[: size // 2 + 1], 1.0)
     block = block_of(0, costs[:, None], costs[:, None], np.zeros(size, np.uint8), {}, scale, 1.0)
@@ -136,5 +141,5 @@ def test_the_audit_finds_the_same_of_a_counted_sample(digits: int, samples: int)
     assert found.blocks is not None
     assert columns is not None
     kept = np.sort(columns.costs[columns.status == OK, 0])[:KEPT]
-    again = counted.distribution(found.blocks, kept, 0.95, 0.0, ties=True)
+    again = TODAY.of_blocks(found.blocks, kept)
     assert again == found.sample.distribution

@@ -73,7 +73,7 @@ def _headline(conclusion: Verdict, findings: Sequence[Finding], problem: Problem
     for finding in findings:
         case = finding.validation
         assert case is not None
-        values = [finding.cost, *(v.cost for v in (case.half_step, case.integrator) if v is not None)]
+        values = [finding.cost, case.cost, *(v.cost for v in (case.half_step, case.integrator) if v is not None)]
         if any(v is None or v > problem.threshold for v in values):
             continue
         most = max(v for v in values if v is not None)

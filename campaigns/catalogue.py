@@ -172,6 +172,8 @@ class MethodEntry(Entry):
     """The family by option and value, where an option decides it; omitted if none does."""
     apart: Annotated[dict[str, str], UNSTATED] = {}
     """Families of its members, by method, that do not use the others' evaluations; omitted without any."""
+    together: Annotated[dict[str, str], UNSTATED] = {}
+    """Families of its members that use them, by method: no method of these confirms it; omitted without any."""
     whole_budget: Annotated[bool, UNSTATED] = False
     """Whether it uses its whole budget; omitted if it may end by its own rule."""
     own_rule: Annotated[str, UNSTATED] = ""

@@ -6,6 +6,7 @@ Known before anything is evaluated, so that no run is begun in vain. Start readi
 from __future__ import annotations
 
 from collections.abc import Iterator
+from itertools import combinations
 from typing import NamedTuple
 
 from campaigns import rules
@@ -57,9 +58,16 @@ def _searches(campaign: Campaign, catalogue: Catalogue) -> Iterator[Barred]:
             many = f"{search.evaluations:,} evaluation{'' if search.evaluations == 1 else 's'}"
             why = f"{entry.title} has {many}, and at least {least:,} count as a search of {len(campaign.uncertain)}"
             yield Barred(CheckCode.AGREEMENT, f"{why} uncertain parameter{'' if len(campaign.uncertain) == 1 else 's'}")
-    families = {f for s, e in aiming if s.evaluations >= _least(e, campaign) for f in _families(s, e)}
-    if len(families) < rules.METHODS.value and all(s.evaluations >= _least(e, campaign) for s, e in globally):
-        one = f"all methods that count as a search are of one family ({families.pop()})"
+    if any(s.evaluations < _least(e, campaign) for s, e in globally):
+        return
+    counted = [(s, e) for s, e in aiming if s.evaluations >= _least(e, campaign)]
+    witnesses = [principles for s, e in counted for principles in _witnesses(s, e)]
+    if not any(a.isdisjoint(b) for a, b in combinations(witnesses, rules.METHODS.value)):
+        families = frozenset.union(*witnesses)
+        one = f"all methods that count as a search are of one family ({', '.join(families)})"
+        if len(families) > 1:
+            one = f"no two of the methods that count as a search ({', '.join(e.title for _, e in counted)}) search by "
+            one += "different principles, of which a method has those of all its members"
         yield Barred(CheckCode.AGREEMENT, f"{one}; add a method of another family, which must confirm the worst case")
 
 
@@ -68,11 +76,13 @@ def _least(entry: MethodEntry, campaign: Campaign) -> int:
     return len(campaign.uncertain) * (0 if least is None else least.value)
 
 
-def _families(search: Search, entry: MethodEntry) -> set[str]:
-    """The principles by which a method and its members search; undeclared methods count by name."""
+def _witnesses(search: Search, entry: MethodEntry) -> list[frozenset[str]]:
+    """The principles of a method with those of its members that share, and of each that is apart; undeclared methods
+    count by name."""
     defaults = {name: option.get("default") for name, option in entry.options.get("properties", {}).items()}
     chosen = (by.get(str((defaults | search.options).get(name))) for name, by in entry.families.items())
-    return {next((family for family in chosen if family), entry.family or entry.name), *entry.apart.values()}
+    own = next((family for family in chosen if family), entry.family or entry.name)
+    return [frozenset([own, *entry.together.values()]), *(frozenset([family]) for family in entry.apart.values())]
 
 
 def _evaluations(campaign: Campaign, catalogue: Catalogue) -> Iterator[Barred]:

@@ -23,8 +23,8 @@ from worker.running.catalogue.installed import catalogue
 from worker.running.runs.runner import execute
 
 LARGE = "uav_aca"
-"""Case 5: six uncertain parameters, four searches."""
-BUDGETS = {"direct": 45_000, "sqp": 2_000, "monte_carlo": 30_000, "portfolio": 25_000}
+"""Case 5: six uncertain parameters, five searches."""
+BUDGETS = {"direct": 45_000, "sqp": 2_000, "monte_carlo": 30_000, "portfolio": 25_000, "genetic": 5_000}
 
 GROWING = "unicycle_static"
 PERIOD, CHUNK = 0.25, 2_000

@@ -171,7 +171,8 @@ class Method:
     `family`: the principle by which it searches; methods of one family do not confirm each other. `families`: where an
     option decides it, by option and value.
     `apart`: families of its members, by method, that do not use the others' evaluations: what such a member
-    reaches, it confirms.
+    reaches, it confirms. `together`: families of those that use them, by method; together they are one witness, and no
+    method of any of these families confirms it.
     `whole_budget`: it uses its whole budget; others may end by their own rule, after their `effort` if it is known.
     `own_rule`: the options with which it may end by its own rule all the same, at other values than their defaults.
     `most_parameters`: by option and value, the largest number of uncertain parameters with which it can begin, where a
@@ -204,6 +205,7 @@ class Method:
     family: str = ""
     families: Mapping[str, Mapping[str, str]] = field(default_factory=dict, hash=False)
     apart: Mapping[str, str] = field(default_factory=dict, hash=False)
+    together: Mapping[str, str] = field(default_factory=dict, hash=False)
     whole_budget: bool = False
     own_rule: str = ""
     most_parameters: Mapping[str, Mapping[str, int]] = field(default_factory=dict, hash=False)

@@ -323,6 +323,8 @@ def _nobody(member: str, points: int) -> None:
     pass
 
 
+TOGETHER = [of.method for of in (sqp, lq_cma_es, differential_evolution, cma_es, direct, mlsl)]
+
 method = Method(
     name="auto",
     title="Auto",
@@ -338,6 +340,7 @@ method = Method(
     extend=lambda options, more: options,
     family="auto",
     apart={m.name: m.family for m in (turbo.method, contrast_racing.method)},
+    together={m.name: m.family for m in TOGETHER},
     whole_budget=True,
     parallel="every member on its own",
     at_once="at_once",

@@ -211,6 +211,7 @@ method = Method(
     repeats=True,
     extend=lambda options, more: options,
     family="portfolio",
+    together={part.method.name: part.method.family for part in MEMBERS},
     whole_budget=True,
     parallel="every member on its own",
     suits="a criterion about which nothing is known",

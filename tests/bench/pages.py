@@ -181,6 +181,7 @@ class Visitor:
     def run_page(self, run: str) -> dict[str, float]:
         """A run's page: until it is interactive [ms], and the data transferred until its 3D view is open [MB]."""
         with self.page() as page:
+            page_loads.settled(page)  # a browser that draws in software works on at the view of the visit before
             traffic = Traffic(page)
             began = time.perf_counter()
             interactive(page, self.address, run)

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import json
 import shlex
+import signal
 from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
@@ -327,7 +328,7 @@ def _executing(threads: int | None, quiet: bool, begun: Callable[[], None], eval
             raise UnreachableError(str(error)) from None
 
     def simulated(campaign: Campaign, store: Store, cancelled: Callable[[], bool]) -> Verdict:
-        with interrupt.deferred(cancelled) as stopped:
+        with interrupt.deferred(cancelled, signal.SIGTERM) as stopped:  # SIGTERM, as CI services send it
             if quiet:
                 return execute(campaign, store, stopped, threads=threads)
             from clearance.local.progress import Progress

@@ -1,4 +1,4 @@
-"""Ctrl-C that cannot be lost: Python drops an exception raised within a callback of the compiler or a finaliser.
+"""Interrupts that cannot be lost: Python drops an exception raised within a callback of the compiler or a finaliser.
 
 The signal is recorded separately and raised again where the runner polls for cancellation. What the interrupted command
 leaves behind is the message of the exception, which `clearance.cli.invoke` prints. Start reading at `explained`.
@@ -21,8 +21,8 @@ if TYPE_CHECKING:
 
 
 @contextmanager
-def deferred(cancelled: Callable[[], bool]) -> Iterator[Callable[[], bool]]:
-    """Yields `cancelled`, which now raises `KeyboardInterrupt` after SIGINT; for the main thread."""
+def deferred(cancelled: Callable[[], bool], *also: signal.Signals) -> Iterator[Callable[[], bool]]:
+    """Yields `cancelled`, which now raises `KeyboardInterrupt` after SIGINT and `also`; for the main thread."""
     came = False
 
     def interrupt(number: int, frame: FrameType | None) -> None:
@@ -35,11 +35,12 @@ def deferred(cancelled: Callable[[], bool]) -> Iterator[Callable[[], bool]]:
             raise KeyboardInterrupt
         return cancelled()
 
-    before = signal.signal(signal.SIGINT, interrupt)
+    before = {number: signal.signal(number, interrupt) for number in (signal.SIGINT, *also)}
     try:
         yield stopped
     finally:
-        signal.signal(signal.SIGINT, before)
+        for number, handler in before.items():
+            signal.signal(number, handler)
 
 
 class InterruptedRun(KeyboardInterrupt):

@@ -399,18 +399,19 @@ def test_a_real_process_exits_with_the_code_of_the_verdict(file: Write, tmp_path
 
 
 @pytest.mark.nightly  # by day tests/unit/clearance/cli/test_interrupted.py
-def test_interrupted_is_130(file: Write, tmp_path: Path) -> None:
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_interrupted_is_130(file: Write, tmp_path: Path, number: signal.Signals) -> None:
     asked = searching({"method": "monte_carlo", "evaluations": 10_000_000}, stages__sensitivity=None)
-    errors = tmp_path / "errors"
+    errors, junit = tmp_path / "errors", tmp_path / "junit.xml"
     with errors.open("wb") as sink:
         process = subprocess.Popen(
-            command("run", file(asked), "--threads", "1"),
+            command("run", file(asked), "--threads", "1", "--junit", str(junit)),
             stdout=subprocess.PIPE, stderr=sink, env={**os.environ, "FORCE_COLOR": "1", "TTY_INTERACTIVE": "1"},
         )  # fmt: skip
     # The bars appear once the campaign is running.
     until(lambda: b"Monte Carlo" in errors.read_bytes() or process.poll() is not None, "it is running", PATIENCE)
     assert process.poll() is None, errors.read_text()
-    process.send_signal(signal.SIGINT)
+    process.send_signal(number)
     out, _ = process.communicate(timeout=PATIENCE)
     assert process.returncode == INTERRUPTED == 130
     assert b"Cleared" not in out
@@ -420,6 +421,7 @@ def test_interrupted_is_130(file: Write, tmp_path: Path) -> None:
     found = re.search(lost, told)
     assert found is not None
     assert found[1][0] != "0", "the bars were shown, so some were completed"
+    assert "cancelled" in junit.read_text(encoding="utf-8")
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="address space is bounded on Linux alone")

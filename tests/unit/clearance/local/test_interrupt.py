@@ -1,4 +1,4 @@
-"""Ctrl-C while a callback swallows exceptions."""
+"""Ctrl-C and SIGTERM, also while a callback swallows exceptions."""
 
 from __future__ import annotations
 
@@ -30,8 +30,11 @@ def test_an_interrupt_within_a_finaliser_is_not_lost() -> None:
     assert signal.getsignal(signal.SIGINT) is before
 
 
-def test_an_interrupt_elsewhere_comes_at_once() -> None:
-    with interrupt.deferred(lambda: True) as asked:
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_an_interrupt_elsewhere_comes_at_once(number: signal.Signals) -> None:
+    before = signal.getsignal(signal.SIGTERM)
+    with interrupt.deferred(lambda: True, signal.SIGTERM) as asked:
         assert asked() is True
         with pytest.raises(KeyboardInterrupt):
-            signal.raise_signal(signal.SIGINT)
+            signal.raise_signal(number)
+    assert signal.getsignal(signal.SIGTERM) is before

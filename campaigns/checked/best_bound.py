@@ -36,7 +36,7 @@ class Best(NamedTuple):
         beyond = f"{self._beyond}," if self.outside else ""
         return (
             f"P(violation) is at most {_most(self.upper_bound)} with {sure} confidence{beyond} if none of the "
-            f"{self.samples:,} random samples violates, fails or is excluded."
+            f"{_samples(self.samples, 'random sample')} violates, fails or is excluded."
         )
 
     @property
@@ -55,10 +55,14 @@ class Best(NamedTuple):
             )
             return f"{why}; widen the bounds"
         size = needed(0, 0, wanted - self.outside, self.confidence)
-        more = "state a higher target" if size is None else f"draw {size:,} samples or more"
+        more = "state a higher target" if size is None else f"draw {_samples(size)} or more"
         wider = ", or widen the bounds" if self.outside else ""
-        best = f"the best bound that {self.samples:,} samples can show is {_most(self.upper_bound)}{self._beyond}"
+        best = f"the best bound that {_samples(self.samples)} can show is {_most(self.upper_bound)}{self._beyond}"
         return f"{best}; {more}{wider}"
+
+
+def _samples(number: int, noun: str = "sample") -> str:
+    return f"{number:,} {noun}{'' if number == 1 else 's'}"
 
 
 def _most(probability: float) -> str:

@@ -7,8 +7,9 @@ from collections.abc import Iterator
 
 import pytest
 
+from campaigns.checked.best_bound import Best
 from campaigns.claims import coverage, likelihood, reweighted
-from campaigns.claims.say import amount
+from campaigns.claims.say import amount, say
 from campaigns.claims.spans import Spans, words
 from campaigns.claims.stages import earlier_run, ends, sample, surroundings
 from campaigns.results.validate import SpotChecks, Violations
@@ -46,6 +47,8 @@ def _sentences(n: int) -> Iterator[Spans]:
     yield validation._counts(words_of(halved=True), found, None)
     spot = SpotChecks(checked=2 * n, compared=n, violating=n, largest=0.1, median=0.1, at=None, statement=())
     yield validation._compared(words_of(halved=True), spot, "m")
+    best = Best("certify", n, 0.95, 0.0, 0.5)
+    yield say(best.statement, best.short_of(0.1))
     templates = (ends.BUDGET, ends.SAMPLE, ends.TARGET, ends.GRID)
     yield from (spoken(Ended("x", text, budget=n, flights=n, grid=4)) for text in templates)
 

@@ -26,7 +26,7 @@ from backend.db.tables import Run
 from backend.runs.outcomes import outcomes
 from backend.scenes.base import setting
 from backend.sweeps import sheet
-from backend.sweeps.schemas import SweepPoint
+from backend.sweeps.schemas import SweepDetail, SweepPoint
 from backend.webhooks import body
 from campaigns.identity.identity import Identity
 from campaigns.runs import run_number
@@ -255,7 +255,9 @@ def fetched(home: Home, run: str) -> str:
 
 def swept(reader: sa.Connection, run_id: int) -> str:
     (found,) = outcomes(reader, [Run.id == run_id])
-    return next(csv.reader([",".join(map(str, sheet._row(SweepPoint(value=1.0, run=found.id, outcome=found))))]))[-4]
+    points = [SweepPoint(value=1.0, run=found.id, outcome=found)]
+    table = sheet.csv_of(SweepDetail.model_construct(path="x", unit="", points=points)).decode()
+    return next(csv.DictReader(io.StringIO(table)))["code"]
 
 
 def matrix(home: Home, run: str) -> str:

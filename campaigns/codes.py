@@ -18,6 +18,7 @@ class CheckCode(StrEnum):
     AGREEMENT = "agreement"
     VALIDATION = "validation"
     REPETITION = "repetition"
+    RESOLUTION = "resolution"
     EVALUATIONS = "evaluations"
     RETRIES = "retries"
     CALLS = "noise of calls"

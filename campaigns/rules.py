@@ -189,6 +189,11 @@ RULES = (
         ("validate",),
         RemedyKind.CALLS,
     ),
+    Rule(
+        CheckCode.RESOLUTION,
+        "Resolution of the values",
+        "If all values lie on a grid, as those that a simulator rounds, the margin is not less than its step.",
+    ),
     Rule(CheckCode.EVALUATIONS, "Failed evaluations", "No evaluation failed."),
     Rule(
         CheckCode.RETRIES,

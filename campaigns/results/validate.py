@@ -136,6 +136,9 @@ class Spread(Result):
     one_point: Annotated[bool, UNLESS_EMPTY] = False
     """Whether all that have a cost are of one point, so that no effect of a parameter can be seen; omitted if they are
     not, and in results of earlier versions."""
+    grid: Annotated[float, UNLESS_EMPTY] = 0.0
+    """The coarsest step of which all differences of these costs are multiples, as of values that a simulator rounds;
+    omitted if there is none, and in results of earlier versions."""
 
 
 class Later(Result):

@@ -31,6 +31,8 @@ def required_checks(run: Run, agreed: bool) -> dict[str, bool]:
         "influence": run.calls.influence(run.varies, run.highest - run.lowest),
     }
     checks |= _encounter(run) if run.campaign.simulator is None else {}
+    if run.wording >= limits.GRID and 0 < run.lowest - run.threshold < run.resolution * (1 - 1e-9):
+        checks["resolution"] = False
     checks |= run.calls.checks(run.claimed.noise if run.claimed else "stated", run.flaky)
     intended = {name.replace("_", " ") for name in run.campaign.encounter.intended}  # as stated by the author
     if {"closest approach"} <= intended & checks.keys() and not _permitted(run):

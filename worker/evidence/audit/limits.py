@@ -18,9 +18,9 @@ SPOT_CHECKS, VIOLATIONS = 200, 200
 SAMPLE, SMALLEST = 59, 1e-12
 SAME_PLACE = 0.05
 ORDER = (
-    "nominal", "search", "no violation", "minimum", "agreement", "validation", "repetition", "evaluations", "retries",
-    "noise of calls", "closest approach", "motion", "avoidance", "influence", "sampling", "distances", "noise",
-    "exclusions", "sample", "outside the bounds", "probability", "target",
+    "nominal", "search", "no violation", "minimum", "agreement", "validation", "repetition", "resolution",
+    "evaluations", "retries", "noise of calls", "closest approach", "motion", "avoidance", "influence", "sampling",
+    "distances", "noise", "exclusions", "sample", "outside the bounds", "probability", "target",
 )  # fmt: skip
 """Of the checks of a verdict."""
 TURN, CONTINUED, OTHERS = math.pi / 4, 2, 1000
@@ -51,8 +51,11 @@ ALIKE = 17
 which no density as a fraction of the highest one is stated of correlated parameters that are not normal; since which
 the band of a distribution function is wider by the probability that a draw was moved inside the bounds; since which
 equal values of it are one, with the fraction of all costs at or below."""
+GRID = 18
+"""The version since which a margin below the grid on which all values lie does not clear."""
 RULES = max(
-    BASINS, BASELINES, BESIDE, ROUNDED, TAILS, LOWEST, SHARED, CALLED, AFTER, VIOLATING, WHOLE, HALVED, WIDER, ALIKE
+    BASINS, BASELINES, BESIDE, ROUNDED, TAILS, LOWEST, SHARED, CALLED, AFTER, VIOLATING, WHOLE, HALVED, WIDER, ALIKE,
+    GRID,
 )  # fmt: skip
 """The version since which the rules are those of today."""
 POINTS, TIMES = 5, 3

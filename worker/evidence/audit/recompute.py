@@ -22,7 +22,7 @@ from campaigns.results.finding import HalfStep, ReferenceCost, Repeated, Validat
 from campaigns.results.sample import Blocks, Histogram, Noise, QuantileBound, Sample
 from campaigns.stages.plan import plan
 from campaigns.versions import Versions
-from worker.evidence.audit import counted, limits
+from worker.evidence.audit import counted, grids, limits
 from worker.evidence.audit.binomial import cumulative, least, upper_bound
 from worker.evidence.audit.calls import Calls
 from worker.evidence.audit.distribution import Drawn
@@ -142,6 +142,7 @@ class Run:
         known = self.points[self.status == OK]
         self.one_point = len(known) > 0 and bool((known == known[0]).all())
         """Whether all evaluations with a cost are of one point."""
+        self.resolution = grids.step(self.costs)
         self.varies = self.highest - self.lowest > self._rounding()
         self.findings = [self.finding(k) for k in range(len(self.claims["findings"]))]
         again = self._again()

@@ -80,7 +80,10 @@ def validated(run: Run, at_most: int, spot_checks: int) -> forms.ValidateResult:
     stated = run.claims["results"][-1]
     nominal, out, stored = run.case(stated["nominal"], "nominal", run.nominal), left_out(run), sum(run.below)
     one = True if run.wording >= limits.AFTER and run.one_point else OMIT
-    spread = made(forms.Spread, evaluations=len(run.costs), lowest=run.lowest, highest=run.highest, one_point=one)
+    grid = (run.resolution if run.wording >= limits.GRID else 0.0) or OMIT
+    spread = made(
+        forms.Spread, evaluations=len(run.costs), lowest=run.lowest, highest=run.highest, one_point=one, grid=grid
+    )
     beyond = OMIT
     if stated["encounter"].get("beyond") is not None or (run.whole and near(run) and len(run.costs)):
         flights, beyond = _continued(run), stated["encounter"].get("beyond") or {}

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 from campaigns import rules
 from campaigns.claims.say import Part, count, finding, joined, method, number, on_side, say, signed, unnamed
 from campaigns.codes import CheckCode
@@ -14,6 +16,9 @@ from worker.evidence.verdicts.encounter import encounter
 from worker.evidence.verdicts.evidence import Evidence, check
 from worker.evidence.verdicts.probability import probability
 
+ROUNDED = 1e-9
+"""Fraction of the grid within which a margin is a whole step of it."""
+
 
 def checks(problem: Problem, evidence: Evidence) -> list[Check]:
     """All checks in the order of the rules."""
@@ -24,6 +29,7 @@ def checks(problem: Problem, evidence: Evidence) -> list[Check]:
         _minimum(problem, evidence),
         agreement(problem, evidence),
         _validated(problem, evidence),
+        *_resolution(problem, evidence),
         _none_failed(evidence),
         *calls(problem, evidence),
         *encounter(problem, evidence),
@@ -100,6 +106,19 @@ def _validated(problem: Problem, evidence: Evidence) -> Check:
     ok = validation.ok and not spot.violating and spot.compared == spot.checked
     ok = ok and not (validation.spent and validation.spent.left_out.spot_checks)
     return check(CheckCode(terms(problem.system).words.check), ok, validation.statement, "; ", spot.statement)
+
+
+def _resolution(problem: Problem, evidence: Evidence) -> Iterator[Check]:
+    """That the margin is less than the grid on which all values lie; nothing otherwise."""
+    spread, unit = evidence.encounter.spread, problem.unit
+    if spread.lowest is None or not 0 < spread.lowest - problem.threshold < spread.grid * (1 - ROUNDED):
+        return
+    margin = signed(spread.lowest - problem.threshold, unit, "margin")
+    differ = say(
+        "all values differ by multiples of ", number(spread.grid, unit, "grid"), ", and the margin is ", margin
+    )
+    why = "a rounded value may hide a violation; let the criterion return it unrounded"
+    yield check(CheckCode.RESOLUTION, False, differ, ": ", why)
 
 
 def _none_failed(evidence: Evidence) -> Check:

@@ -20,6 +20,7 @@ from campaigns.stages.found import declared
 from campaigns.stored.records import Trace
 from worker.engine.stages.parts.base import all_columns
 from worker.engine.stages.parts.context import Cancelled, Context
+from worker.engine.stages.parts.grid import grid
 from worker.engine.stages.parts.seeds import drawn
 from worker.engine.systems import optional
 from worker.engine.systems.base import Floats
@@ -124,7 +125,8 @@ def _spread(context: Context, position: int) -> Spread:
         return Spread(evaluations=0, lowest=None, highest=None)
     first = next(points[0] for _, points in every if len(points))
     one = all(bool((points == first).all()) for _, points in every)
-    return Spread(evaluations=len(known), lowest=float(known.min()), highest=float(known.max()), one_point=one)
+    lowest, highest = float(known.min()), float(known.max())
+    return Spread(evaluations=len(known), lowest=lowest, highest=highest, one_point=one, grid=grid(known))
 
 
 def influence(curves: Iterable[Curve]) -> dict[str, float]:

@@ -1,0 +1,82 @@
+"""Functions that return rounded values: a margin below the step of their values clears nothing."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import clearance
+from tests.audited import audited
+from tests.given.corrupted_records import Folder
+from tests.given.forgeries import accepted
+from worker.engine.stages.parts.grid import grid
+from worker.engine.systems.base import Floats
+from worker.evidence.audit.grids import step
+
+RANDOM = np.random.default_rng(1).random(3000)
+VALUES: dict[str, tuple[Floats, float]] = {
+    "not rounded": (RANDOM, 0.0),
+    "one decimal": (np.round(10 * RANDOM) / 10, 0.1),
+    "one decimal, cut": (np.floor(10 * RANDOM) * 0.1, 0.1),
+    "one decimal, less a radius": (np.round(10 * RANDOM) / 10 - 0.337, 0.1),
+    "fortieths": (np.round(40 * RANDOM) / 40, 0.025),
+    "whole numbers": (np.round(50 * RANDOM), 1.0),
+    "single precision": (np.maximum(0.3, RANDOM).astype(np.float32).astype(np.float64), 2.0**-25),
+    "large, one decimal": (np.round(1e6 * RANDOM, 1), 0.1),
+    "large": (1e9 * RANDOM, 0.0),
+    "yes or no": (np.round(RANDOM), 0.0),
+    "one value": (np.full(9, 0.4), 0.0),
+    "one of many is not rounded": (np.where(RANDOM.min() + 1e-9 > RANDOM, RANDOM, np.round(RANDOM, 1)), 0.0),
+}
+WAYS: dict[str, Callable[[Floats], Floats]] = {
+    "rounded": lambda d: np.round(10 * d) / 10,
+    "rounded up": lambda d: np.ceil(10 * d) / 10,
+    "written": lambda d: np.array([float(f"{x:.1f}") for x in d]),
+    "single": lambda d: np.maximum(d, 0.3).astype(np.float32),
+}
+THRESHOLDS = {"rounded": 0.88, "rounded up": 0.88, "written": 0.88, "single": 0.3}
+
+
+def distance(x: Floats, y: Floats) -> Floats:
+    return 0.86 + 0.9 * ((x - 0.37) ** 2 + (y - 0.37) ** 2)
+
+
+def searched(way: Callable[[Floats], Floats], threshold: float, lower: float = 0.0) -> clearance.Result:
+    def rounded(x: Floats, y: Floats) -> Floats:
+        return way(distance(x, y) - lower)
+
+    bounds, nominal = {"x": (0.0, 1.0), "y": (0.0, 1.0)}, {"x": 0.9, "y": 0.9}
+    return clearance.search(
+        rounded, bounds, threshold, vectorized=True, budget=500, validation=4000, certify=300, seed=1, nominal=nominal
+    )
+
+
+@pytest.mark.parametrize("name", VALUES)
+def test_the_step_of_values_is_found_twice(name: str) -> None:
+    values, expected = VALUES[name]
+    assert grid(values) == step(values) == pytest.approx(expected, rel=1e-12)
+
+
+@pytest.mark.parametrize("name", WAYS)
+def test_a_margin_below_the_step_of_the_values_is_not_cleared(name: str, tmp_path: Path) -> None:
+    found = searched(WAYS[name], THRESHOLDS[name], 0.57 if name == "single" else 0.0)
+    assert [c.title for c in found.verdict.checks if c.standing == "fails"] == ["Resolution of the values"]
+    found.save(tmp_path / "out")
+    audited(tmp_path / "out")
+    folder = Folder(tmp_path / "out")
+    folder.result["checks"] = [check for check in folder.result["checks"] if check["name"] != "resolution"]
+    folder.result["verdict"] = "cleared"
+    assert not accepted(folder)
+
+
+@pytest.mark.parametrize(("way", "threshold"), [(WAYS["rounded"], 0.8), (lambda d: d, 0.85)])
+def test_a_margin_of_a_step_or_values_without_one_are_cleared(
+    way: Callable[[Floats], Floats], threshold: float, tmp_path: Path
+) -> None:
+    found = searched(way, threshold)
+    assert found.verdict == "cleared"
+    found.save(tmp_path / "out")
+    audited(tmp_path / "out")

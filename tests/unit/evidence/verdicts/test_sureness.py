@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 
 from campaigns.claims import sureness as templates
-from campaigns.claims.spans import words
 from campaigns.results.base import FAILED, OK
 from campaigns.results.sureness import Sureness
 from campaigns.stages.nominal import NominalResult
@@ -64,14 +63,11 @@ def test_the_estimate_and_its_sentence() -> None:
 
 def test_the_sentence_states_how_many_parameters_the_landscapes_have() -> None:
     """Also where the run has others: two parameters are judged by three, four by five and more."""
-    for of, text in (
-        (LOW, "324 random landscapes of 3 parameters,"),
-        (MODEL, "696 random landscapes of 5 to 18 parameters,"),
-    ):
-        assert text in words(templates.sureness(0.1, 0.01, "m", of.landscapes, of.parameters))
+    for of, stated in ((LOW, [324, 3]), (MODEL, [696, 5, 18])):
+        assert facts(templates.sureness(0.1, 0.01, "m", of.landscapes, of.parameters))[2:] == stated
     found = estimated()
     assert found is not None
-    assert "random landscapes of 3 parameters," in found.text
+    assert facts(found.statement)[2:] == [324, 3]
 
 
 @pytest.mark.parametrize("by", [LOW, MODEL])

@@ -9,6 +9,7 @@ from campaigns.claims.say import Part, amount, count, listed, number, percent, s
 from campaigns.claims.spans import Spans
 
 NOMINAL_BEYOND = say("the nominal case itself violates the criterion or fails")
+BETWEEN = " between them is not excluded"
 NO_VARIANCE = say("not computed: all evaluations have the same value, so there is no variance to explain")
 
 
@@ -35,7 +36,7 @@ def boundary(steps: int, violated: Along | None, crossed: float | None, failed: 
         line = "; on the line from nominal to this finding the nearest violation seen is at "
         statement = say(statement, line, percent(crossed))
     between = "a violation" if violated is None and crossed is None else "a nearer violation"
-    statement = say(statement, seen, "; ", between, " between them is not excluded")
+    statement = say(statement, seen, "; ", between, BETWEEN)
     if failed is None:
         return statement
     return say(statement, "; the nearest evaluation that failed is at ", _along(failed))

@@ -10,7 +10,7 @@ import pytest
 
 from campaigns.asked.allowance import RAY, SLICE
 from campaigns.claims.spans import words
-from campaigns.claims.stages.surroundings import NOMINAL_BEYOND
+from campaigns.claims.stages.surroundings import BETWEEN, NOMINAL_BEYOND
 from campaigns.results.base import EXCLUDED, FAILED, OK
 from campaigns.results.finding import Boundary
 from tests.given.case_campaigns import campaign, case1
@@ -230,7 +230,7 @@ def test_a_sentence_on_the_nearest_violation_states_what_was_examined(stored: Se
     for evaluated in (flown(window), clear):
         statement = located(WORST, evaluated, stored)[0].statement
         assert boundary.SAMPLES in facts(statement)
-        assert "between them is not excluded" in words(statement)
+        assert BETWEEN in words(statement)
 
 
 def test_fields_of_a_finding() -> None:

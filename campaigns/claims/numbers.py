@@ -226,8 +226,8 @@ def plain(value: float | None, digits: int = 6) -> str:
         mantissa, _, power = f"{size:.{digits - 1}e}".partition("e")
         text = f"{_trimmed(mantissa)}e{int(power)}".replace("-", MINUS)
     else:
-        power = int(f"{size:.{digits - 1}e}".partition("e")[2])  # of the rounded number: 0.9999996 may be 1
-        text = _trimmed(fixed(size, digits - 1 - power))
+        exponent = int(f"{size:.{digits - 1}e}".partition("e")[2])  # of the rounded number: 0.9999996 may be 1
+        text = _trimmed(fixed(size, digits - 1 - exponent))
     return (MINUS if value < 0 else "") + text
 
 

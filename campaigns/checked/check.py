@@ -28,6 +28,7 @@ from campaigns.checked import (
     texts,
     uncertainty,
 )
+from campaigns.claims.numbers import interval
 from campaigns.limits import CONFIDENCE_AT_LEAST, STORED_WHOLE
 
 SEED = "seed"
@@ -284,4 +285,4 @@ def _started(
     elif path in known:
         low, high = campaign.uncertain[path].interval(known[path][1])
         if not texts.within(value, low, high):
-            yield Problem(field, texts.number(value), f"a start must be within the bounds {low:g} to {high:g}")
+            yield Problem(field, texts.number(value), f"a start must be within the bounds {interval(low, high)}")

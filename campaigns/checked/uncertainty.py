@@ -9,6 +9,7 @@ from campaigns.asked.problem import Problem
 from campaigns.asked.spec import Campaign
 from campaigns.catalogue import ParameterEntry
 from campaigns.checked import texts
+from campaigns.claims.numbers import interval
 
 LEAST_PIVOT = 1e-9
 
@@ -39,7 +40,7 @@ def bounded(path: str, uncertain: Uncertain, known: Mapping[str, tuple[Parameter
     if not low <= nominal <= high:
         yield Problem(
             field,
-            f"{low:g} to {high:g}",
+            interval(low, high),
             f"the nominal value {nominal:g} is outside the bounds; widen the bounds or change the nominal value",
         )
     yield from distributed(field, uncertain, low, high)
@@ -53,7 +54,7 @@ def distributed(field: str, uncertain: Uncertain, low: float, high: float) -> It
         middle = {"mean": distribution.mean}
     for name, value in middle.items():
         if not texts.within(value, low, high):
-            yield Problem(f"{field}.distribution.{name}", texts.number(value), f"must be within {low:g} to {high:g}")
+            yield Problem(f"{field}.distribution.{name}", texts.number(value), f"must be within {interval(low, high)}")
 
 
 def correlated(campaign: Campaign) -> Iterator[Problem]:

@@ -108,11 +108,24 @@ def _side(value: float, threshold: float) -> tuple[bool, bool]:
 
 
 def digits_between(low: float, high: float, least: int = 6) -> int:
-    """The significant digits, at least so many, with which bounds differ from what they are by less than 1e-9 of their
-    distance, or by rounding: what is written claims no wider interval."""
-    apart = max(1e-9 * (high - low), 4 * math.ulp(max(abs(low), abs(high))))
-    wide = (n for n in range(least, 17) if all(abs(float(f"{v:.{n}g}") - v) <= apart for v in (low, high)))
-    return next(wide, 17)
+    """The significant digits, at least so many, with which bounds claim no wider interval than they are.
+
+    Low is written no lower and high no higher, but for rounding of the last bits, as a conversion of units leaves it;
+    and the interval is written no narrower by more than 1e-9 of it.
+    """
+    bits = 4 * math.ulp(max(abs(low), abs(high)))
+    inside = max(1e-9 * (high - low), bits)
+
+    def fits(digits: int) -> bool:
+        first, last = (float(f"{v:.{digits}g}") for v in (low, high))
+        return -bits <= first - low <= inside and -bits <= high - last <= inside
+
+    return next((n for n in range(least, 17) if fits(n)), 17)
+
+
+def interval(low: float, high: float) -> str:
+    """Bounds as text, never wider than they are."""
+    return f"{between(low, low, high)} to {between(high, low, high)}"
 
 
 def between(value: float, low: float, high: float) -> str:
@@ -213,7 +226,8 @@ def plain(value: float | None, digits: int = 6) -> str:
         mantissa, _, power = f"{size:.{digits - 1}e}".partition("e")
         text = f"{_trimmed(mantissa)}e{int(power)}".replace("-", MINUS)
     else:
-        text = _trimmed(fixed(size, decimals_for([size], digits)))
+        exponent = int(f"{size:.{digits - 1}e}".partition("e")[2])  # of the rounded number: 0.9999996 may be 1
+        text = _trimmed(fixed(size, digits - 1 - exponent))
     return (MINUS if value < 0 else "") + text
 
 

@@ -126,8 +126,8 @@ def violates(margin: float, case: Validation | None) -> bool:
 
 
 class Ray(Result):
-    """The first violation along one line from nominal, the first failure where nothing violates; null fields where
-    neither was seen."""
+    """The nearest violation seen along one line from nominal, the nearest failure where nothing violates; null fields
+    where neither was seen. A nearer one may be between two evaluations."""
 
     path: str
     """The parameter that varies; empty on the line to the worst case."""
@@ -144,10 +144,15 @@ class Ray(Result):
 
 
 class Boundary(Described):
-    """How far from nominal the boundary of a violation is, along each parameter and towards the worst case."""
+    """How far from nominal the nearest violation seen is, along each parameter and towards the worst case.
+
+    A nearer one between two evaluations is not excluded.
+    """
 
     tolerance: float
+    """Fraction of each range to which a violation is located by bisection."""
     looks: int
+    """Steps on each line, besides the stored evaluations on it."""
     rays: list[Ray]
     line: Ray | None
 

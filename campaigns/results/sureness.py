@@ -16,4 +16,4 @@ class Sureness(Described):
     lower: float
     """A hundredth of nominal minus worst, in the criterion's unit."""
     landscapes: int
-    """Random landscapes on which it was set."""
+    """Random landscapes on which it was set; the statement has how many parameters they have."""

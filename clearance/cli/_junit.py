@@ -78,7 +78,7 @@ def _verdict(suite: Xml.Element, ended: EndedRun) -> None:
 def _criterion(suite: Xml.Element, ended: EndedRun, verdict: Verdict) -> None:
     """The test case of the criterion: every violating finding is a failure; else only a cleared verdict passes."""
     case = _added(suite, ended, f"criterion: {ended.quantity or verdict.quantity or 'value'}")
-    text = "\n\n".join(_violation(ended, found) for found in ended.violating), ended.link
+    text = "\n\n".join(_violation(ended, found) for found in ended.violating), verdict.scope, ended.link
     violated = bool(ended.violating) or verdict.verdict == "violated"
     if violated and ended.accepted:
         _ended(case, "skipped", exit_sentence(verdict), *text)  # no failure of the job, and not met either
@@ -86,7 +86,7 @@ def _criterion(suite: Xml.Element, ended: EndedRun, verdict: Verdict) -> None:
         kind = "violation" if verdict.verdict == "violated" else "unconfirmed"
         _ended(case, "failure", _violating(ended, verdict), *text, kind=kind)
     elif verdict.verdict == "cleared":
-        Xml.SubElement(case, "system-out").text = _clean(verdict.sentence)
+        Xml.SubElement(case, "system-out").text = _clean(verdict.reason)
     else:
         _ended(case, "skipped", f"not cleared, although no finding violates it: {verdict.reason}")
 
@@ -111,10 +111,10 @@ def _requirement(suite: Xml.Element, ended: EndedRun, requirement: str) -> None:
     elif verdict is None:
         _ended(case, "error", f"no evidence: {ended.state}", ended.link, kind=ended.state)
     elif verdict.verdict == "cleared":
-        text = f"{verdict.sentence}\nEvidence of this run alone; the matrix of requirements has all runs."
+        text = f"{verdict.reason}\nEvidence of this run alone; the matrix of requirements has all runs."
         Xml.SubElement(case, "system-out").text = _clean(text)
     elif ended.accepted:
-        _ended(case, "skipped", f"{verdict.sentence} {exit_sentence(verdict)}")
+        _ended(case, "skipped", f"{verdict.sentence} {exit_sentence(verdict)}", verdict.scope)
     else:
         _ended(case, "failure", verdict.sentence, verdict.reason, ended.link, kind=verdict.headline)
 

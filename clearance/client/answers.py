@@ -152,7 +152,7 @@ class Sureness(Answer):
     lower: float
     """A hundredth of nominal minus worst, in the criterion's unit."""
     landscapes: int
-    """Random landscapes on which it was set."""
+    """Random landscapes on which it was set; the statement has how many parameters they have."""
     text: str
     """The sentence as plain text."""
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import NamedTuple
 
-from campaigns.claims.numbers import digits_of, number, written
+from campaigns.claims.numbers import digits_of, interval, written
 from campaigns.claims.say import Part, amount, count, joined, say
 from campaigns.claims.spans import Spans
 
@@ -56,7 +56,7 @@ def certain(path: str, value: float, now: float) -> str:
 
 def outside(path: str, value: float, low: float, high: float) -> str:
     """A value is outside the bounds."""
-    return f"{path} = {value:.9g} is outside the bounds {number(low)} to {number(high)} of this campaign"
+    return f"{path} = {value:.9g} is outside the bounds {interval(low, high)} of this campaign"
 
 
 def not_random(seed: int) -> str:

@@ -9,6 +9,7 @@ from campaigns.claims.say import Part, amount, count, listed, number, percent, s
 from campaigns.claims.spans import Spans
 
 NOMINAL_BEYOND = say("the nominal case itself violates the criterion or fails")
+BETWEEN = " between them is not excluded"
 NO_VARIANCE = say("not computed: all evaluations have the same value, so there is no variance to explain")
 
 
@@ -22,13 +23,20 @@ class Along(NamedTuple):
 
 
 def boundary(steps: int, violated: Along | None, crossed: float | None, failed: Along | None) -> Spans:
-    """violated: the nearest along a parameter; crossed: fraction of the line to the finding; failed: the nearest."""
-    statement = say("no parameter violates the criterion when varied alone, in ", count(steps), " steps")
-    if violated is not None:
-        statement = say("varying one parameter alone, the criterion is first violated at ", _along(violated))
+    """violated: the nearest along a parameter; crossed: fraction of the line to the finding; failed: the nearest.
+
+    It is the nearest that was seen, and no bound: a nearer one may be between two evaluations.
+    """
+    seen = say("; seen in ", count(steps), " steps and the stored evaluations on each line")
+    if violated is None:
+        statement = say("no violation was seen when one parameter alone is varied")
+    else:
+        statement = say("varying one parameter alone, the nearest violation seen is at ", _along(violated))
     if crossed is not None:
-        line = "; on the line from nominal to this finding the criterion is first violated at "
+        line = "; on the line from nominal to this finding the nearest violation seen is at "
         statement = say(statement, line, percent(crossed))
+    between = "a violation" if violated is None and crossed is None else "a nearer violation"
+    statement = say(statement, seen, "; ", between, BETWEEN)
     if failed is None:
         return statement
     return say(statement, "; the nearest evaluation that failed is at ", _along(failed))

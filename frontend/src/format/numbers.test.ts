@@ -2,7 +2,7 @@
 import { describe, expect, it } from 'vitest'
 import cases from '../../tests/numbers.json'
 import type { Quantity } from '../client'
-import { confidenceText, count, decimalsApart, decimalsBeside, decimalsFor, duration, exact, field, fixed, goal, margin, parse, percent, plain, signed, spread, thinned } from './numbers'
+import { confidenceText, count, decimalsApart, decimalsBeside, decimalsFor, digitsBetween, duration, exact, field, fixed, goal, margin, parse, percent, plain, signed, spread, thinned } from './numbers'
 import { quantityText } from './quantity'
 import { unitText } from './units'
 
@@ -22,6 +22,7 @@ const WRITTEN: Record<string, (...values: never[]) => string | number> = {
   decimals_for: decimalsFor,
   decimals_apart: decimalsApart,
   decimals_beside: decimalsBeside,
+  digits_between: digitsBetween,
 }
 
 it.each(Object.keys(WRITTEN))('writes every case as the service does: %s', (name) => {

@@ -82,7 +82,27 @@ export function plain(value: Maybe, digits = 6): string {
   if (value === 0) return '0'
   const size = Math.abs(value)
   if (size >= 1e9 || size < 1e-4) return powered(value, digits)
-  return (value < 0 ? MINUS : '') + grouped(trimmed(decimal(size, decimalsFor([size], digits))))
+  const power = Number(exponential(size, digits).split('e')[1]) // of the rounded number: 0.9999996 may be 1
+  return (value < 0 ? MINUS : '') + trimmed(fixed(size, digits - 1 - power))
+}
+
+/**
+ * The significant digits, at least so many, with which bounds claim no wider interval than they are: low is written no lower and
+ * high no higher, but for rounding of the last bits, and the interval no narrower by more than 1e-9 of it.
+ */
+export function digitsBetween(low: number, high: number, least = 6): number {
+  const bits = 4 * ulp(Math.max(Math.abs(low), Math.abs(high)))
+  const inside = Math.max(1e-9 * (high - low), bits)
+  const written = (value: number, digits: number) => Math.sign(value) * Number(exponential(Math.abs(value), digits))
+  const fits = (by: number) => by >= -bits && by <= inside
+  for (let n = least; n < 17; n++) if (fits(written(low, n) - low) && fits(high - written(high, n))) return n
+  return 17
+}
+
+/** The distance from a size to the next larger number. */
+function ulp(size: number): number {
+  const power = new DataView(Float64Array.of(size).buffer).getUint16(6, true) >> 4
+  return power === 0 ? Number.MIN_VALUE : 2 ** (power - 1075)
 }
 
 /** As `plain`, with all digits of a threshold or a setting: nothing is compared with what it is not. */

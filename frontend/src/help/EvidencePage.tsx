@@ -74,7 +74,7 @@ function Sureness() {
       <p>
         Next to the verdict of a run that was searched by Auto alone is the chance that another search, with another
         seed and the same budget, finds a case lower by more than {percent(LIMITS.same_cost)} of nominal minus worst. It is an estimate from
-        searches on random landscapes, not a bound, and no verdict rests on it: it only counts how many evaluations are
+        searches on random landscapes, of as many parameters as the sentence states, not a bound, and no verdict rests on it: it only counts how many evaluations are
         as low as the lowest. It does not cover a case that this kind of search cannot find, such as a needle in a
         wide valley. There is no number where it was not set, such as of a simulator that runs in slots. The guide{' '}
         <em>Methods</em> states how often such statements came true, and where they are wrong.

@@ -30,6 +30,7 @@ from worker.engine.stages.parts.encounter import encounter
 from worker.engine.stages.parts.falls import Fall, not_compared
 from worker.engine.stages.parts.left import Left
 from worker.engine.stages.parts.outcome import Outcome, Stage
+from worker.engine.stages.parts.rays import Evaluated, stored
 from worker.engine.stages.parts.repeated import Case
 from worker.engine.systems.base import Floats
 
@@ -44,8 +45,9 @@ def run(context: Context, position: int) -> Outcome[ValidateResult]:
     unfinished = findings.settle(context, position, found, left)
     first = Case("nominal", context.problem.nominal_point, context.nominal_cost)
     nominal, *confirmed = cases(context, [first, *(Case("", b.point, b.cost) for b in found.basins)])
-    polished = [_finding(context, i, found, case) for i, case in enumerate(confirmed)]
     everything = range(position + 1)
+    evaluated = stored(context, everything)
+    polished = [_finding(context, i, found, case, evaluated) for i, case in enumerate(confirmed)]
     violations, also = offered.violations(context, everything, left)
     best = incumbents.called(context, polished)
     others = also
@@ -193,8 +195,10 @@ def _gathered(context: Context, driven: Driven, found: findings.Found, unfinishe
     )
 
 
-def _finding(context: Context, i: int, found: findings.Found, case: Validation) -> Finding:
-    """The worst case in basin `i`, validated; it gets its label when all are sorted."""
+def _finding(
+    context: Context, i: int, found: findings.Found, case: Validation, everything: Sequence[Evaluated]
+) -> Finding:
+    """The worst case in basin `i`, validated; it gets its label when all are sorted; everything: that is stored."""
     basin, searched = found.basins[i], context.searched
     evidence = found.of(basin)
     known = [
@@ -202,7 +206,8 @@ def _finding(context: Context, i: int, found: findings.Found, case: Validation) 
         for at, columns in all_columns(context, list(searched))
         if (needed := reached(context, found, at, columns, i)) is not None
     ]
-    slices, beyond = evidence.after or (None, None)
+    slices, located = evidence.after or (None, None)
+    beyond = None if located is None else located.described(context.problem, everything)
     found_here = _described(context, basin.point, basin.cost, known, case)
     validation = case.model_copy(update={"neighbours": evidence.neighbours})
     return found_here.model_copy(update={"validation": validation, "slices": slices, "boundary": beyond})

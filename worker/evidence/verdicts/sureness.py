@@ -26,22 +26,24 @@ from worker.engine.problem.problem import Problem
 class Model(NamedTuple):
     """The coefficients, and the landscapes on which they were set.
 
-    enough: evaluations as low as the lowest beyond which more of them say nothing more.
+    enough: evaluations as low as the lowest beyond which more of them say nothing more. parameters: the fewest and the
+    most that these landscapes have; None of earlier versions, whose sentences are not made again.
     """
 
     landscapes: int
     constant: float
     near: float
     enough: int = 100
+    parameters: tuple[int, int] | None = None
 
 
-MODEL = Model(landscapes=696, constant=-0.466, near=-1.231)
+MODEL = Model(landscapes=696, constant=-0.466, near=-1.231, parameters=(5, 18))
 """Set by maximum likelihood on 5,496 statements: of two searches on those of the first 1,020 landscapes of the score
 board's half for setting (`tests/bench/scoreboard/sureness.py`) that have more than three parameters, at 50 to 2,000
 evaluations per parameter. `python -m tests.bench.scoreboard.fitted` sets them; docs/methods.md states how they were
 judged."""
 
-LOW, FEW = Model(landscapes=324, constant=-0.689, near=-3.026, enough=10), 3
+LOW, FEW = Model(landscapes=324, constant=-0.689, near=-3.026, enough=10, parameters=(3, 3)), 3
 """The same up to so many parameters, where `auto` begins in another way: on 2,598 statements."""
 
 FORMER, FORMER_LOW = Model(321, -0.297, -1.325), Model(434, -0.898, -1.586)
@@ -87,7 +89,7 @@ def sureness(
         return None
     coefficients = model(problem.dimension, landscapes)
     probability = chance(ranked, nominal, coefficients)
-    statement = templates.sureness(probability, lower, problem.unit, coefficients.landscapes)
+    statement = templates.sureness(probability, lower, problem.unit, coefficients.landscapes, coefficients.parameters)
     return Sureness(chance=probability, lower=lower, landscapes=coefficients.landscapes, statement=statement)
 
 
@@ -122,8 +124,8 @@ def model(parameters: int, landscapes: int | None = None) -> Model:
 
 def chance(ranked: Floats, nominal: float, coefficients: Model) -> float:
     """The chance from costs (m,) of a search, infinite where there is none; at least one is below nominal."""
-    _, constant, near, enough = coefficients
-    return 1.0 / (1.0 + math.exp(-constant - near * math.log10(min(as_low(ranked, nominal), enough))))
+    near = coefficients.near * math.log10(min(as_low(ranked, nominal), coefficients.enough))
+    return 1.0 / (1.0 + math.exp(-coefficients.constant - near))
 
 
 def as_low(ranked: Floats, nominal: float) -> int:

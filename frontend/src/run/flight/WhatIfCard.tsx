@@ -5,7 +5,7 @@ import { type CSSProperties, type KeyboardEvent, useState } from 'react'
 import { flushSync } from 'react-dom'
 import { hasScenario } from '../../api/campaign'
 import type { FlightAnswer, FlightValue } from '../../client'
-import { decimalsBeside, decimalsFor, exact, field, fixed, margin, NARROW, NONE, parse, plain } from '../../format/numbers'
+import { decimalsBeside, decimalsFor, digitsBetween, exact, field, fixed, margin, NARROW, NONE, parse, plain } from '../../format/numbers'
 import { unitText } from '../../format/units'
 import { Button } from '../../ui/Button'
 import { Card } from '../../ui/Card'
@@ -250,7 +250,8 @@ function Field({ parameter, label, value, onChange }: FieldProps) {
   const [typed, setTyped] = useState<string | null>(null)
   const meant = typed === null ? value : parse(typed)
   const wrong = meant === null || !within(parameter, meant)
-  const range = `${plain(low)} to ${plain(high)} ${unitText(parameter.unit)}`.trim()
+  const digits = digitsBetween(low, high)
+  const range = `${plain(low, digits)} to ${plain(high, digits)} ${unitText(parameter.unit)}`.trim()
   const take = () => {
     if (typed !== null && meant !== null && !wrong && meant !== value) onChange(meant)
     setTyped(null)

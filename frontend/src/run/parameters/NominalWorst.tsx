@@ -1,6 +1,6 @@
 // Nominal against worst: every uncertain parameter with its position within the bounds, and the results.
 import { clsx } from 'clsx'
-import { decimalsBeside, decimalsFor, exact, fixed, NARROW, NONE, plain } from '../../format/numbers'
+import { decimalsBeside, decimalsFor, digitsBetween, exact, fixed, NARROW, NONE, plain } from '../../format/numbers'
 import { unitText } from '../../format/units'
 import { WithinBounds } from '../../ui/bars'
 import { Card } from '../../ui/Card'
@@ -163,6 +163,7 @@ function Row({ parameter, worst, alone }: { parameter: UncertainParameter; worst
   const { path, symbol, unit, text, nominal, low, high } = parameter
   const value = worst?.parameters[path] ?? null
   const span = decimalsFor([low, high, nominal])
+  const digits = digitsBetween(low, high)
   const at = worst?.atBounds?.[path] ?? (value === null ? undefined : edge(value, low, high))
   return (
     <tr>
@@ -190,8 +191,8 @@ function Row({ parameter, worst, alone }: { parameter: UncertainParameter; worst
         <span className={clsx(tables.rn, styles.narrow)}>
           <WithinBounds low={low} high={high} nominal={nominal} value={value} width={88} />
           <span className={clsx('mut', styles.bounds)}>
-            <span>{plain(low)}</span>
-            <span>{plain(high)}</span>
+            <span>{plain(low, digits)}</span>
+            <span>{plain(high, digits)}</span>
           </span>
         </span>
       </td>

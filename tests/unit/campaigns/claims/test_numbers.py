@@ -32,15 +32,18 @@ WRITTEN: dict[str, Callable[..., str | int]] = {
     "decimals_for": numbers.decimals_for,
     "decimals_apart": numbers.decimals_apart,
     "decimals_beside": numbers.decimals_beside,
+    "digits_between": numbers.digits_between,
 }
 ROLLDOWN = ROOT / "frontend/node_modules/.bin/rolldown"
 ANSWERS = """
 import { createInterface } from 'node:readline'
-import { count, decimalsApart, decimalsBeside, decimalsFor, duration, fixed, margin, plain, signed } from '@/numbers'
+import { decimalsApart, decimalsBeside, decimalsFor, digitsBetween } from '@/numbers'
+import { count, duration, fixed, margin, plain, signed } from '@/numbers'
 import { quantityText } from '@/quantity'
 const printed = (value, unit, format, digits) => quantityText({ value, unit, format, digits })
 const decimals = { decimals_for: decimalsFor, decimals_apart: decimalsApart, decimals_beside: decimalsBeside }
-const written = { printed, fixed, signed, margin, count, plain, duration, ...decimals }
+const digits = { digits_between: digitsBetween }
+const written = { printed, fixed, signed, margin, count, plain, duration, ...decimals, ...digits }
 for await (const line of createInterface({ input: process.stdin })) {
   console.log(JSON.stringify(JSON.parse(line).map(([name, ...given]) => written[name](...given))))
 }
@@ -103,6 +106,7 @@ ONE = st.one_of(
     st.tuples(st.just("decimals_for"), st.lists(NUMBERS, max_size=4), st.integers(1, 8)),
     st.tuples(st.just("decimals_apart"), st.lists(NUMBERS, max_size=4), st.integers(1, 5), st.integers(5, 8)),
     st.tuples(st.just("decimals_beside"), st.lists(NUMBERS, max_size=4), NUMBERS, st.integers(0, 8)),
+    st.tuples(st.just("digits_between"), NUMBERS, NUMBERS, st.integers(1, 8)),
 )  # fmt: skip
 
 

@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from typing import Any
 
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
-from campaigns.claims.numbers import digits_between
+from campaigns.claims import say
+from campaigns.claims.numbers import MINUS, NARROW, digits_between, interval, plain
+from campaigns.claims.spans import words
 from campaigns.results.finding import Calls, HalfStep, ReferenceCost, Repeated, Validation, granted
 
 THRESHOLD = 0.5
@@ -63,9 +68,28 @@ def test_a_violation_is_stated_with_a_value_that_violates_and_that_all_grant(nam
     [
         (100_000.4, 100_000.6, 7), (4.999_999_6, 5.000_000_4, 8), (0.8 * 5, 1.2 * 5, 6), (1.2 * 0.9, 3.0, 6),
         (448_003.6, 448_004.4, 7), (-1e-10, 1e-10, 6), (1.0, 1.0, 6), (1e17, 1e17 + 6400, 16),
+        (0.0, 2.999_999_999, 10), (0.0, 1 - 1e-12, 12), (-1 + 1e-13, 1.0, 13), (0.0, 2.99996, 6), (1e-13, 1.0, 6),
+        (math.radians(10), math.radians(20), 15),
     ],
 )  # fmt: skip
 def test_bounds_are_written_with_the_digits_that_they_need(low: float, high: float, digits: int) -> None:
     assert digits_between(low, high) == digits
     apart = max(1e-9 * (high - low), 1e-15 * abs(high))
     assert all(abs(float(f"{value:.{digits}g}") - value) <= apart for value in (low, high))
+
+
+@settings(max_examples=500)
+@given(
+    st.floats(-1e6, 1e6), st.sampled_from([0.0, 1e-15, 1e-13, 1e-9, 1e-6, 0.1]), st.integers(0, 9), st.floats(1e-9, 1e3)
+)
+def test_no_bounds_are_written_wider_than_they_are(end: float, off: float, decimals: int, length: float) -> None:
+    """Bounds just inside or outside of a short number, in each function that writes them."""
+    short = round(end, decimals)
+    for low, high in ((short - length, short - off), (short + off, short + length)):
+        bits = 4 * math.ulp(max(abs(low), abs(high)))
+        digits = digits_between(low, high)
+        texts = [interval(low, high), words(say.interval(low, high)), f"{plain(low, digits)} to {plain(high, digits)}"]
+        for text in texts:
+            first, last = (float(t.replace(MINUS, "-").replace(NARROW, "")) for t in text.split(" to "))
+            assert first >= low - bits
+            assert last <= high + bits

@@ -13,10 +13,12 @@ import pytest
 
 from tests.bench.scoreboard import __main__ as board
 from tests.bench.scoreboard import cells, niching, page, peers, sureness
+from tests.bench.scoreboard.bars import JUDGED
 from tests.bench.scoreboard.parts import Request
 from tests.bench.scoreboard.searches import Evaluations
 from tests.given.kept_cells import kept_rows
 from tests.given.landscapes import KINDS
+from worker.evidence.verdicts.sureness import LOW, MODEL
 
 DOCS = cells.ROOT / "docs"
 GUIDE = (DOCS / "methods.md").read_text(encoding="utf-8")
@@ -84,3 +86,14 @@ def test_a_peer_that_raised_counts_with_what_it_had_evaluated(tmp_path: Path, mo
     assert part["errors"] == {"nlopt_crs": [10, "ValueError: midway"]}
     assert all("nlopt_crs" in by for by in part["table"].values())
     assert re.search(r"^- nlopt_crs: 10 .*midway$", page.markdown(found), re.MULTILINE)
+
+
+def test_the_landscapes_of_the_estimate_have_the_stated_parameters() -> None:
+    """The numbers in the sentence are those of the landscapes on which the coefficients were set."""
+    asked = Request("setting", (JUDGED,), (LOW.landscapes + MODEL.landscapes) // 34)
+    dimensions = [cell.dimension for cell in sureness.PART.cells(asked)]
+    for of in (LOW, MODEL):
+        assert of.parameters is not None
+        fewest, most = of.parameters
+        own = [n for n in dimensions if fewest <= n <= most]
+        assert (len(own), min(own), max(own)) == (of.landscapes, fewest, most)

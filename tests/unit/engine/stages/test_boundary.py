@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any, TypeVar
 
 import numpy as np
 import pytest
 
 from campaigns.asked.allowance import RAY, SLICE
-from campaigns.claims.stages.surroundings import NOMINAL_BEYOND
+from campaigns.claims.spans import words
+from campaigns.claims.stages.surroundings import BETWEEN, NOMINAL_BEYOND
 from campaigns.results.base import EXCLUDED, FAILED, OK
+from campaigns.results.finding import Boundary
 from tests.given.case_campaigns import campaign, case1
 from tests.given.sampled_stages import THRESHOLD, context, evaluate
 from tests.given.stated_facts import facts
@@ -17,6 +20,7 @@ from worker.engine.search.base import Batch, Floats
 from worker.engine.stages.parts import boundary
 from worker.engine.stages.parts.base import drive
 from worker.engine.stages.parts.context import Asking
+from worker.engine.stages.parts.rays import Evaluated
 from worker.engine.stages.parts.slices import slices
 
 Result = TypeVar("Told")
@@ -26,6 +30,14 @@ WORST = np.array([0.0, 0.0])
 
 MOST = 2 * SLICE + 1 + RAY * (2 * 2 + 1)
 """Evaluations around a violation of two parameters."""
+
+
+def located(
+    worst: Floats, flown: Any = None, before: Sequence[Evaluated] = (), after: Sequence[Evaluated] = ()
+) -> tuple[Boundary, int]:
+    """The boundary by the driver with what is stored before and after, and its number of evaluations."""
+    found, evaluations = driven(boundary.boundary(case1(), worst, before), flown)
+    return found.described(case1(), after), evaluations
 
 
 def driven(asking: Asking[Result], flown: Any = None) -> tuple[Result, int]:
@@ -71,7 +83,7 @@ def test_slices_pass_through_the_worst_case() -> None:
 
 
 def test_distances_to_the_boundary() -> None:
-    result, evaluations = driven(boundary.boundary(case1(), np.array([0.1, 0.5])), flown(steep))
+    result, evaluations = located(np.array([0.1, 0.5]), flown(steep))
     rays = {(ray.path, ray.towards): ray for ray in result.rays}
     low, high = rays["vehicle.m", "low"], rays["vehicle.J", "high"]
     assert low.share == pytest.approx(0.3, abs=1e-5)
@@ -89,36 +101,36 @@ def test_distances_to_the_boundary() -> None:
     assert result.line.way == pytest.approx(0.75, abs=1e-4)
     assert result.line.parameters is not None
     assert result.line.parameters["vehicle.m"] == pytest.approx(4.4, abs=1e-4)
-    assert facts(result.statement) == ["vehicle.m", pytest.approx(4.4, abs=1e-4), 0.3, 0.75]
+    assert facts(result.statement) == ["vehicle.m", pytest.approx(4.4, abs=1e-4), 0.3, 0.75, boundary.SAMPLES]
     assert evaluations <= MOST
 
 
 def test_a_violation_that_no_parameter_reaches_alone() -> None:
-    result, _ = driven(boundary.boundary(case1(), WORST))
+    result, _ = located(WORST)
     assert all(ray.share is None for ray in result.rays)
     assert result.line is not None
     assert result.line.way == pytest.approx(0.8, abs=1e-4)
-    assert facts(result.statement) == [boundary.SAMPLES, 0.8]
+    assert facts(result.statement) == [0.8, boundary.SAMPLES]
 
 
 def test_a_failed_flight_ends_a_ray_and_an_excluded_one_does_not() -> None:
     def status(u: Floats) -> Floats:
         return np.where(u[:, 0] > 0.8, FAILED, np.where((u[:, 0] < 0.4) & (u[:, 0] > 0.3), EXCLUDED, OK))
 
-    result, _ = driven(boundary.boundary(case1(), WORST), flown(steep, status))
+    result, _ = located(WORST, flown(steep, status))
     rays = {(ray.path, ray.towards): ray for ray in result.rays}
     assert rays["vehicle.m", "high"].kind == "failure"
     assert rays["vehicle.m", "high"].share == pytest.approx(0.3, abs=1e-5)
     assert rays["vehicle.m", "high"].cost is None
     assert rays["vehicle.m", "low"].share == pytest.approx(0.3, abs=1e-5)
-    assert facts(result.statement) == ["vehicle.m", near(4.4), 0.3, 0.6, "vehicle.m", near(5.6), 0.3]
+    assert facts(result.statement) == ["vehicle.m", near(4.4), 0.3, 0.6, boundary.SAMPLES, "vehicle.m", near(5.6), 0.3]
 
 
 @pytest.mark.parametrize(
     ("everywhere", "violated", "crossed", "stated"),
     [
-        (True, 0.2, 0.6, ["vehicle.m", near(4.4), 0.3, 0.6, "vehicle.m", 4.75, 0.125]),
-        (False, 0.2, 0.6, ["vehicle.m", near(4.4), 0.3, 0.6, 0.25]),
+        (True, 0.2, 0.6, ["vehicle.m", near(4.4), 0.3, 0.6, boundary.SAMPLES, "vehicle.m", 4.75, 0.125]),
+        (False, 0.2, 0.6, ["vehicle.m", near(4.4), 0.3, 0.6, boundary.SAMPLES, 0.25]),
         (True, -1.0, None, [boundary.SAMPLES, "vehicle.m", near(4.78), 0.11]),
     ],
     ids=["along a parameter", "on the line alone", "without a violation"],
@@ -131,9 +143,7 @@ def test_failures_before_a_violation_are_not_its_boundary(
     def status(u: Floats) -> Floats:
         return np.where((u[:, 0] < 0.39) & (u[:, 0] > 0.31) & (everywhere | (u[:, 1] < 0.45)), FAILED, OK)
 
-    result, evaluations = driven(
-        boundary.boundary(case1(), WORST), flown(lambda u: THRESHOLD + u[:, 0] - violated, status)
-    )
+    result, evaluations = located(WORST, flown(lambda u: THRESHOLD + u[:, 0] - violated, status))
     low, line = next(ray for ray in result.rays if (ray.path, ray.towards) == ("vehicle.m", "low")), result.line
     assert line is not None
     for ray in (low, line):
@@ -148,9 +158,7 @@ def test_a_violation_between_the_samples_of_a_ray_that_fails_is_its_boundary() -
     def status(u: Floats) -> Floats:
         return np.where(u[:, 0] < 0.376, FAILED, OK)
 
-    result, _ = driven(
-        boundary.boundary(case1(), np.array([0.3, 0.5])), flown(lambda u: THRESHOLD + u[:, 0] - 0.39, status)
-    )
+    result, _ = located(np.array([0.3, 0.5]), flown(lambda u: THRESHOLD + u[:, 0] - 0.39, status))
     low = next(ray for ray in result.rays if (ray.path, ray.towards) == ("vehicle.m", "low"))
     assert (low.kind, low.share) == ("violation", near(0.11))
     assert low.cost is not None
@@ -158,17 +166,79 @@ def test_a_violation_between_the_samples_of_a_ray_that_fails_is_its_boundary() -
 
 
 def test_a_nominal_flight_that_violates_has_no_distance() -> None:
-    result, evaluations = driven(boundary.boundary(case1(), WORST), flown(lambda u: np.zeros(len(u))))
+    result, evaluations = located(WORST, flown(lambda u: np.zeros(len(u))))
     assert (result.rays, result.line) == ([], None)
     assert result.statement == NOMINAL_BEYOND
     assert evaluations == 1 + 5 * boundary.SAMPLES
 
 
+def window(u: Floats) -> Floats:
+    """Violates where 0.2 < u < 0.204, which no step meets, and where u < 0.07."""
+    return np.asarray(THRESHOLD + np.where((np.abs(u[:, 0] - 0.202) < 0.002) | (u[:, 0] < 0.07), -0.1, 0.1))
+
+
+def seen(*points: tuple[float, float], failed: bool = False) -> Evaluated:
+    """Evaluations of the window that another stage has stored."""
+    at = np.array(points)
+    return Evaluated(at, np.full(len(at), np.nan) if failed else window(at), np.full(len(at), failed))
+
+
+ALONE = seen((0.203, 0.5), (0.9, 0.9), (0.21, 0.5))
+NEAREST = {
+    "no step meets it": ((), (), 0.43),
+    "stored before": ([ALONE], (), 0.296),
+    "stored after the bisection": ((), [ALONE], 0.297),
+    "beside the ray": ([seen((0.203, 0.5 + 1e-6))], [seen((0.203, 0.5 - 1e-9))], 0.43),
+    "farther than the steps": ([seen((0.01, 0.5))], (), 0.43),
+    "a failure is no violation": ([seen((0.3, 0.5), failed=True)], (), 0.43),
+}
+"""Stored before and after the bisection, and the fraction of the range to the nearest violation."""
+
+
+@pytest.mark.parametrize("worst", [(0.0, 0.5), (0.0, 0.0)], ids=["along a parameter", "elsewhere"])
+@pytest.mark.parametrize("name", NEAREST)
+def test_no_stored_violation_on_a_ray_is_nearer_than_the_stated_one(name: str, worst: tuple[float, float]) -> None:
+    before, after, share = NEAREST[name]
+    result, evaluations = located(np.array(worst), flown(window), before, after)
+    low = next(ray for ray in result.rays if (ray.path, ray.towards) == ("vehicle.m", "low"))
+    assert (low.kind, low.share) == ("violation", near(share))
+    assert low.parameters is not None
+    assert (low.parameters["vehicle.m"], low.parameters["vehicle.J"]) == (near(4 + 2 * (0.5 - share)), 0.05)
+    assert facts(result.statement)[:3] == ["vehicle.m", near(4 + 2 * (0.5 - share)), near(share)]
+    if worst[1] == 0.5:
+        assert result.line is not None
+        assert result.line.way == near(2 * share)
+    assert evaluations <= MOST
+
+
+def test_a_stored_violation_on_a_slanted_line_to_the_finding_counts() -> None:
+    result, _ = located(WORST, flown(window), [seen((0.203, 0.203))])
+    assert result.line is not None
+    assert result.line.way == near(2 * 0.296)
+
+
+def test_the_nearest_failure_may_be_a_stored_one() -> None:
+    result, _ = located(WORST, flown(lambda u: np.full(len(u), THRESHOLD + 1.0)), [seen((0.33, 0.5), failed=True)])
+    low = next(ray for ray in result.rays if (ray.path, ray.towards) == ("vehicle.m", "low"))
+    assert (low.kind, low.cost, low.share) == ("failure", None, pytest.approx(0.17, abs=2e-5))
+
+
+@pytest.mark.parametrize("stored", [(), [ALONE]])
+def test_a_sentence_on_the_nearest_violation_states_what_was_examined(stored: Sequence[Evaluated]) -> None:
+    """Also where nothing violates when one parameter alone is varied."""
+    clear = flown(lambda u: np.full(len(u), THRESHOLD + 1.0))
+    for evaluated in (flown(window), clear):
+        statement = located(WORST, evaluated, stored)[0].statement
+        assert boundary.SAMPLES in facts(statement)
+        assert BETWEEN in words(statement)
+
+
 def test_fields_of_a_finding() -> None:
     (_, violation), most = driven(boundary.after(case1(), WORST, THRESHOLD - 0.2))
     assert violation is not None
-    assert violation.line is not None
-    assert violation.line.way == pytest.approx(0.8, abs=1e-4)
+    line = violation.described(case1()).line
+    assert line is not None
+    assert line.way == pytest.approx(0.8, abs=1e-4)
     assert most <= MOST
     (slices_, clear), evaluations = driven(boundary.after(case1(), WORST, THRESHOLD + 0.1))
     assert clear is None
@@ -178,5 +248,5 @@ def test_fields_of_a_finding() -> None:
         boundary.after(case1(), WORST, 0.0), flown(lambda u: np.where((u == 0.5).all(axis=1), 1, 0))
     )
     assert everywhere is not None
-    assert all(ray.share is not None and ray.share < 2e-5 for ray in everywhere.rays)
+    assert all(ray.share is not None and ray.share < 2e-5 for ray in everywhere.described(case1()).rays)
     assert most <= MOST

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from campaigns.claims import sureness as templates
 from campaigns.results.base import FAILED, OK
 from campaigns.results.sureness import Sureness
 from campaigns.stages.nominal import NominalResult
@@ -54,9 +55,19 @@ def test_the_estimate_and_its_sentence() -> None:
     assert found is not None
     assert found.lower == pytest.approx(0.01 * (NOMINAL - 0.5))
     assert found.chance == pytest.approx(chance(costs(30), NOMINAL, LOW))
-    rounded = [float(f"{found.lower:.3g}"), float(f"{found.chance:.2g}"), LOW.landscapes]
+    assert LOW.parameters is not None
+    rounded = [float(f"{found.lower:.3g}"), float(f"{found.chance:.2g}"), LOW.landscapes, LOW.parameters[0]]
     assert facts(found.statement) == rounded
     assert "not a bound" in found.text
+
+
+def test_the_sentence_states_how_many_parameters_the_landscapes_have() -> None:
+    """Also where the run has others: two parameters are judged by three, four by five and more."""
+    for of, stated in ((LOW, [324, 3]), (MODEL, [696, 5, 18])):
+        assert facts(templates.sureness(0.1, 0.01, "m", of.landscapes, of.parameters))[2:] == stated
+    found = estimated()
+    assert found is not None
+    assert facts(found.statement)[2:] == [324, 3]
 
 
 @pytest.mark.parametrize("by", [LOW, MODEL])
@@ -157,7 +168,7 @@ def test_it_enters_no_verdict() -> None:
 
 
 def test_the_audit_has_the_same_coefficients() -> None:
-    assert (audited.MODEL, audited.LOW, audited.FEW) == (MODEL, LOW, FEW)
-    assert (audited.FORMER, audited.FORMER_LOW) == (FORMER, FORMER_LOW)
+    assert (MODEL[:4], LOW[:4], FEW) == (audited.MODEL, audited.LOW, audited.FEW)
+    assert (FORMER[:4], FORMER_LOW[:4]) == (audited.FORMER, audited.FORMER_LOW)
     ends = tuple(zip(module.PARAMETERS, module.EVALUATIONS, strict=True))
     assert ends == (audited.FEWEST, audited.MOST)

@@ -31,6 +31,7 @@ from worker.engine.stages.parts.context import Context
 from worker.engine.stages.parts.falls import Falls, begun, fall
 from worker.engine.stages.parts.left import Left
 from worker.engine.stages.parts.noise import noisy
+from worker.engine.stages.parts.rays import Evaluated, stored
 from worker.engine.stages.parts.scales import rounding, scale, spanned
 from worker.engine.systems.base import Floats
 
@@ -76,6 +77,7 @@ class Found:
     since: between.Lines = field(default_factory=dict)
     """From the violations of the baseline to the worst cases."""
     evidence: dict[bytes, Evidence] = field(default_factory=dict)
+    evaluated: list[Evaluated] = field(default_factory=list)
 
     def of(self, basin: Basin) -> Evidence:
         """The evidence of one worst case; empty until it is gathered."""
@@ -101,9 +103,10 @@ class Found:
         return next((i for i, basin in enumerate(known) if wanted & set(basin.members)), None)
 
     def see(self, points: Floats, batch: Batch, context: Context) -> None:
-        """Remember the lowest evaluation, and the violations."""
+        """Remember the evaluations, the lowest of them, and the violations."""
         ranked = batch.ranked()
         self.seen.see(points, ranked)
+        self.evaluated.append(Evaluated.of(points.copy(), batch))
         self.falls.see(points, ranked, context.problem.threshold)
 
     def keep(self, listed: Sequence[Basin], dropped: Sequence[Basin]) -> None:
@@ -183,7 +186,7 @@ def _search(context: Context, position: int, found: Found) -> Search:
     yield from _sharpened(context, found, random)
     yield from _further(context, position, found, random)
     yield from _joined(context, found)
-    yield from _evidence(context, found, random)
+    yield from _evidence(context, position, found, random)
     compared = True
     while compared:
         yield from _polished(context, position, found, random)
@@ -232,7 +235,7 @@ def _polished(context: Context, position: int, found: Found, random: np.random.G
         found.candidates.append(lower)
         fresh = Basin(lower.point, lower.cost, [len(found.candidates) - 1])
         yield from _distinguished(context, found, [*found.basins, fresh], random)
-        yield from _evidence(context, found, random)
+        yield from _evidence(context, position, found, random)
 
 
 def _drawn(context: Context, position: int, found: Found) -> Part:
@@ -319,14 +322,15 @@ def _spare(context: Context, found: Found, basins: Sequence[Basin]) -> int:
     return max(0, _room(context, found) - each.around * len(basins) - each.boundary * violating)
 
 
-def _evidence(context: Context, found: Found, random: np.random.Generator) -> Part:
+def _evidence(context: Context, position: int, found: Found, random: np.random.Generator) -> Part:
     """The neighbours of every worst case that has none yet, then slices and the boundary."""
     for basin in found.basins:
         if found.of(basin).neighbours is None:
             yield from _neighbours(context, found, basin, random)
     for basin in found.basins:
         if found.of(basin).after is None:
-            found.of(basin).after = yield from after(context.problem, basin.point, basin.cost)
+            seen = [*stored(context, range(position)), *found.evaluated]
+            found.of(basin).after = yield from after(context.problem, basin.point, basin.cost, seen)
 
 
 def _same(context: Context, found: Found, lower: Candidate) -> bool:

@@ -9,6 +9,8 @@ import numpy as np
 import pytest
 
 import clearance
+from campaigns.codes import CheckCode
+from campaigns.rules import RULES
 from tests.audited import audited
 from tests.given.corrupted_records import Folder
 from tests.given.forgeries import accepted
@@ -37,6 +39,7 @@ WAYS: dict[str, Callable[[Floats], Floats]] = {
     "written": lambda d: np.array([float(f"{x:.1f}") for x in d]),
     "single": lambda d: np.maximum(d, 0.3).astype(np.float32),
 }
+[RULE] = [one for one in RULES if one.code == CheckCode.RESOLUTION]
 THRESHOLDS = {"rounded": 0.88, "rounded up": 0.88, "written": 0.88, "single": 0.3}
 
 
@@ -63,7 +66,7 @@ def test_the_step_of_values_is_found_twice(name: str) -> None:
 @pytest.mark.parametrize("name", WAYS)
 def test_a_margin_below_the_step_of_the_values_is_not_cleared(name: str, tmp_path: Path) -> None:
     found = searched(WAYS[name], THRESHOLDS[name], 0.57 if name == "single" else 0.0)
-    assert [c.title for c in found.verdict.checks if c.standing == "fails"] == ["Resolution of the values"]
+    assert [c.title for c in found.verdict.checks if c.standing == "fails"] == [RULE.title]
     found.save(tmp_path / "out")
     audited(tmp_path / "out")
     folder = Folder(tmp_path / "out")

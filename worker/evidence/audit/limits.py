@@ -52,7 +52,8 @@ which no density as a fraction of the highest one is stated of correlated parame
 the band of a distribution function is wider by the probability that a draw was moved inside the bounds; since which
 equal values of it are one, with the fraction of all costs at or below."""
 NEAREST = 18
-"""The version since which the nearest violation on a line from nominal is that of all stored evaluations on it."""
+"""The version since which the nearest violation on a line from nominal is that of all stored evaluations on it. The
+audit takes it as given."""
 RULES = max(
     BASINS, BASELINES, BESIDE, ROUNDED, TAILS, LOWEST, SHARED, CALLED, AFTER, VIOLATING, WHOLE, HALVED, WIDER, ALIKE,
     NEAREST,

@@ -66,6 +66,9 @@ def _measured(record: Record) -> str:
     first = words.flowed(entry.text.strip().partition("\n\n")[0]).removeprefix(f"{entry.title}: ").rstrip(".")
     text = f"What the criterion measures ({entry.title}): {first or 'it has no description'}."
     ends = _ENDS[record.run.criteria[0].measured_to] if record.run.criteria else ""
+    shown = None if record.validated is None else record.validated.encounter
+    if shown is not None and shown.mismeasured is not None:
+        ends = "It does not compute the distance to the obstacles that its component declares."
     return f"{text} {ends}".strip()
 
 

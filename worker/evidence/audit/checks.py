@@ -73,6 +73,10 @@ def _encounter(run: Run) -> dict[str, bool]:
         shown |= {"distances": False} if inside or (run.wording >= limits.AFTER and _unmeasured(run)) else {}
     if run.wording >= limits.AFTER and near(run) and criterion.measured_to not in ("centre", "surface", "none"):
         shown |= {"distances": False}
+    declares = near(run) and criterion.measured_to in ("centre", "surface")
+    other_unit = run.wording >= limits.MEASURED and criterion.unit != "m"  # its threshold is compared with lengths
+    if declares and (other_unit or encounter.get("mismeasured") is not None):
+        shown |= {"distances": False}
     turning, step = rates.turning(campaign, components, parameters(campaign, components)), campaign.given_scenario.step
     shown |= {"sampling": False} if not all(each.rate * step <= limits.TURN for each in turning) else {}
     return shown

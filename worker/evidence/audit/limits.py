@@ -51,8 +51,11 @@ ALIKE = 17
 which no density as a fraction of the highest one is stated of correlated parameters that are not normal; since which
 the band of a distribution function is wider by the probability that a draw was moved inside the bounds; since which
 equal values of it are one, with the fraction of all costs at or below."""
+MEASURED = 18
+"""The version since which a criterion of obstacles must compute the distance that it declares, in m."""
 RULES = max(
-    BASINS, BASELINES, BESIDE, ROUNDED, TAILS, LOWEST, SHARED, CALLED, AFTER, VIOLATING, WHOLE, HALVED, WIDER, ALIKE
+    BASINS, BASELINES, BESIDE, ROUNDED, TAILS, LOWEST, SHARED, CALLED, AFTER, VIOLATING, WHOLE, HALVED, WIDER, ALIKE,
+    MEASURED,
 )  # fmt: skip
 """The version since which the rules are those of today."""
 POINTS, TIMES = 5, 3

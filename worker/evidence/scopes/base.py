@@ -27,5 +27,7 @@ class Terms:
     """Whether it is a simulator of which single calls are confirmed at half its step, too."""
     obstacles: tuple[str, ...] = ()
     """The titles of a scenario's obstacles, in order."""
+    declares: str = ""
+    """The distance that a criterion of obstacles declares, as a clause; empty if it declares none."""
     followed: bool = True
     """Whether the closest approach is known beyond what is simulated; not that of a criterion without distances."""

@@ -36,6 +36,7 @@ def described(campaign: Campaign, catalogue: Catalogue, integrator: str) -> Term
         ),
         shows=(*near, "motion", "avoidance"),
         bars=tuple((code, reason) for code, reason in reasons.items() if reason),
+        declares=distances.declaration(campaign, catalogue),
         followed=distances.followed(campaign, catalogue),
         obstacles=tuple(_title(catalogue, "obstacle", each.component) for each in campaign.given_scenario.obstacles),
     )
@@ -55,11 +56,11 @@ def _scope(campaign: Campaign, catalogue: Catalogue) -> Scope:
     criterion = catalogue.component("criterion", campaign.criterion.component)
     later = "" if criterion is None or criterion.of == "obstacles" else ", beyond which nothing is known"
     settings = say("horizon ", limit(scenario.horizon, "s"), later, ", step ", limit(scenario.step, "s"))
-    measured = distances.clause(campaign, catalogue)
     return Scope(
         what=say(what, _conditions(campaign, catalogue)),
-        settings=say(settings, "; ", measured) if measured else settings,
+        settings=settings,
         version=f"components of clearance {catalogue.version}",
+        distances=distances.clause(campaign, catalogue),
     )
 
 

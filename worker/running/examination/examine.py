@@ -69,6 +69,7 @@ def _examined(file: Path, vehicles: Mapping[str, str], limit: float) -> Examined
     from worker.running.examination import purity
     from worker.running.examination.compiling import compile_each
     from worker.running.examination.declaring import declared_by
+    from worker.running.examination.distances import note_of
     from worker.running.examination.flying import flown
 
     def own(name: str) -> Component | None:
@@ -90,4 +91,7 @@ def _examined(file: Path, vehicles: Mapping[str, str], limit: float) -> Examined
         notes += [RATE] * (component.moving and component.rate is None) + [REACH] * (component.reach is None)
     if isinstance(component, Criterion) and component.of == "obstacles" and not component.measured_to:
         notes += [MEASURED]
+    if isinstance(component, Criterion):
+        with limited(limit, file, "while comparing its value with distances"):
+            notes += filter(None, [note_of(component, own)])
     return Examined(component.role, component.name, component.title, bool(calls), note="; ".join(notes))

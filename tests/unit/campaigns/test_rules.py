@@ -97,6 +97,7 @@ def test_the_audit_has_the_same_limits() -> None:
         "HALVED",
         "WIDER",
         "ALIKE",
+        "MEASURED",
         "RULES",
         "SMALLEST",
         "POINTS",

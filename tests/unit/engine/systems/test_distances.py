@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 from typing import Any
 
@@ -10,13 +11,14 @@ import pytest
 from campaigns import Catalogue
 from campaigns.asked.load import load_document
 from campaigns.claims.spans import words
-from campaigns.results.validate import Mismeasured
+from campaigns.results.validate import Beyond, Mismeasured
 from clearance.testing.problems import Problem
 from tests.given.case_campaigns import campaign, document
 from tests.given.verdict_evidence import encountered
 from worker.engine.components.criteria import separation, surface_separation
 from worker.engine.kernels.component import Criterion
 from worker.engine.kernels.maths import kernel
+from worker.engine.systems.closed_loop import beyond
 from worker.engine.systems.closed_loop.distances import in_flights
 from worker.engine.systems.closed_loop.flights import Flights
 from worker.engine.systems.closed_loop.parts import Installed
@@ -140,3 +142,52 @@ def test_the_scope_does_not_state_a_distance_that_is_not_computed() -> None:
     different = Mismeasured(obstacle=0, time=0.0, position=[0.0, 0.0], distance=-0.1, value=0.4)
     assert encountered(mismeasured=different).mismeasured == different
     assert clause not in words(scope(made, measured=False))
+
+
+RETURNING = {
+    "component": "waypoint_circle",
+    "parameters": {
+        "position": {"x": 16.0, "y": 7.0}, "waypoint1": {"x": 50.0, "y": 7.0}, "waypoint2": {"x": 6.0, "y": 7.0},
+        "legs": 2.0, "speed": 3.0, "radius": 0.1,
+    },
+}  # fmt: skip
+"""It leaves, and returns to the goal at 26 s."""
+
+
+@kernel
+def infinite(lowest: Any, p: Any) -> float:
+    return math.inf
+
+
+@kernel
+def no_number(lowest: Any, p: Any) -> float:
+    return math.nan
+
+
+def returned(value: Any, horizon: float) -> Beyond:
+    made = document(scenario__horizon=horizon)
+    made["scenario"]["obstacles"].append(RETURNING)
+    made["criterion"] = {"component": "own", "threshold": 0.1}
+    with_it = Flights(load_document(made), installed(own(SURFACE, value=value)), compiled=False, lanes=1)
+    row = with_it.vector({})[None, :]
+    cost = float(with_it.simulate_vectors(row)[0].costs[0, 0])
+    found = beyond.met(with_it, ["nominal"], row, [None], cost if math.isfinite(cost) else 1.0, lambda: False)
+    assert found is not None
+    return found
+
+
+@pytest.mark.by_day(1)
+@pytest.mark.parametrize("value", [total, SURFACE.value])
+def test_what_combines_obstacles_comes_lower_beyond_the_horizon(value: Any) -> None:
+    """Where all but one obstacle were infinitely far away, such a value was infinite, and nothing came below it."""
+    found = returned(value, 10.0)
+    assert found.lowest is not None
+    assert found.lowest.obstacle == 1
+    assert found.closer == 1
+
+
+@pytest.mark.parametrize("value", [infinite, no_number])
+def test_a_value_that_stays_infinite_is_not_known_beyond_the_horizon(value: Any) -> None:
+    unknown = returned(value, 5.0).unknown
+    assert unknown is not None
+    assert math.isfinite(unknown.value)

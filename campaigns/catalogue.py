@@ -133,6 +133,9 @@ class ComponentEntry(Entry):
     measured_to: Literal["", "centre", "surface", "none"] = ""
     """The point of an obstacle to which a criterion measures distances; none if it measures none, empty if it is not
     one of obstacles or does not state it."""
+    computed_by: Annotated[str, UNSTATED] = ""
+    """The digest of the operator's file that declares a criterion, and of those of the operator that it imports,
+    without comments and docstrings; omitted for other components, and in snapshots of earlier versions."""
     reach: ReachEntry | None = None
     """The largest distance of a point inside an obstacle from its centre; None if the obstacle does not declare it."""
     rate: RateEntry | None = None

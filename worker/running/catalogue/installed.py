@@ -22,6 +22,7 @@ from typing import Any
 
 from campaigns.catalogue import (
     Catalogue,
+    ComponentEntry,
     Kind,
     Role,
     UnusableEntry,
@@ -220,11 +221,21 @@ def catalogue() -> Catalogue:
     """Components, methods and simulators as data: units, limits, defaults, and text from their files."""
     return Catalogue(
         version=version("clearance"),
-        components=[component_entry(c, source_of(c)) for c in components().values()],
+        components=[_entry(component) for component in components().values()],
         methods=[method_entry(m, source_of(m)) for m in methods().values()],
         simulators=[s.entry for s in simulators().values()],
         unusable=skipped(),
     )
+
+
+def _entry(component: Component) -> ComponentEntry:
+    """A component as data, of the operator's own criteria with the digest of their code."""
+    entry = component_entry(component, source_of(component))
+    home = _HOMES.get(id(component), "")
+    if component.role != "criterion" or not home.startswith(f"{own.PACKAGE}."):
+        return entry
+    paths = {f"{own.PACKAGE}.{file.stem}": file for file in own.files()}
+    return entry.model_copy(update={"computed_by": own.code_of(home, paths)})
 
 
 def source_of(thing: Component | Method | Simulator | PythonFunction) -> ModuleType:

@@ -136,6 +136,9 @@ class ComponentEntry(Entry):
     computed_by: Annotated[str, UNSTATED] = ""
     """The digest of the operator's file that declares a criterion, and of those of the operator that it imports,
     without comments and docstrings; omitted for other components, and in snapshots of earlier versions."""
+    own_rule: Annotated[bool, UNSTATED] = False
+    """Whether a criterion excludes flights at their start by a rule of its own; omitted if it excludes those that start
+    at or below the threshold, and in snapshots of earlier versions."""
     reach: ReachEntry | None = None
     """The largest distance of a point inside an obstacle from its centre; None if the obstacle does not declare it."""
     rate: RateEntry | None = None

@@ -106,6 +106,12 @@ def _excluded(record: Record) -> str:
     if record.campaign.simulator is not None:
         rest = "No claim is made about such cases; a probability holds for the others only."
         return f"{lost} by the simulator{draws}. {rest} The verdict states its reasons."
+    entry = record.catalogue.component("criterion", record.campaign.criterion.component) if record.catalogue else None
+    if entry is not None and entry.own_rule:
+        return (
+            f"{lost}{draws} by the criterion's own rule. No claim is made about such starts; a probability holds for "
+            "the other starts only."
+        )
     return (
         f"{lost}{draws}: they start at or below the criterion. "
         "No claim is made about such starts; a probability holds for the other starts only."

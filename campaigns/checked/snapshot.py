@@ -30,6 +30,7 @@ _WORDS = {
     "worse": "direction of search",
     "of": "object that it measures",
     "measured_to": "reference point of distances",
+    "own_rule": "rule by which it excludes",
     "reach": "reach",
     "rate": "rate of motion",
     "orders": "condition on its parameters",

@@ -226,6 +226,11 @@ class ComponentLoop(System):
     realisations: Realised
     """The noise realisations of every evaluation."""
 
+    @property
+    @abstractmethod
+    def own_rule(self) -> bool:
+        """Whether the criterion excludes flights at their start by another rule than its threshold."""
+
     @abstractmethod
     def compare(
         self, vectors: Floats, seeds: Sequence[int | None], cancelled: Stopping = lambda: False

@@ -37,6 +37,7 @@ def described(campaign: Campaign, catalogue: Catalogue, integrator: str) -> Term
         shows=(*near, "motion", "avoidance"),
         bars=tuple((code, reason) for code, reason in reasons.items() if reason),
         declares=distances.declaration(campaign, catalogue),
+        own_rule=criterion is not None and criterion.own_rule,
         followed=distances.followed(campaign, catalogue),
         obstacles=tuple(_title(catalogue, "obstacle", each.component) for each in campaign.given_scenario.obstacles),
     )

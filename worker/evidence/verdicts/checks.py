@@ -38,8 +38,10 @@ def checks(problem: Problem, evidence: Evidence) -> list[Check]:
 def _bars(problem: Problem, evidence: Evidence) -> dict[str, Spans]:
     """What rules out "cleared" for any result, and a criterion that does not compute the distance that it declares."""
     own, found = terms(problem.system), evidence.encounter.mismeasured
-    wrong = {} if found is None else {CheckCode.DISTANCES: mismeasured(own.declares, found, problem.unit)}
-    return {**wrong, **dict(own.bars)}
+    wrong: dict[str, Spans] = {}
+    if found is not None:
+        wrong[CheckCode.DISTANCES] = mismeasured(own.declares, found, problem.unit)
+    return wrong | dict(own.bars)
 
 
 def _nominal(problem: Problem, evidence: Evidence) -> Check:

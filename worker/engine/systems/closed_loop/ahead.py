@@ -114,7 +114,8 @@ class Ahead:
 
     @cached_property
     def _others(self) -> Floats:
-        return self._now if self._so_far is None else np.minimum(self._so_far(), self._now)
+        now: Floats = self._now
+        return now if self._so_far is None else np.minimum(now, self._so_far())
 
     def extent(self, obstacle: int) -> float | None:
         """What the criterion subtracts from the distance to an obstacle's centre, at most [m]; None if unknown."""

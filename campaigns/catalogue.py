@@ -143,6 +143,9 @@ class ComponentEntry(Entry):
     """The largest distance of a point inside an obstacle from its centre; None if the obstacle does not declare it."""
     rate: RateEntry | None = None
     """How fast an obstacle turns; None if it does not move, or does not declare it."""
+    unswitched: Annotated[bool, UNSTATED] = False
+    """Whether a fault or environment of another source than Clearance reads the time and does not declare at which
+    instants it changes abruptly; omitted if not, and in snapshots of earlier versions."""
     orders: Annotated[list[OrderEntry], UNSTATED] = []
     """What its parameters must satisfy together; omitted without any, so that older snapshots keep their digests."""
     look: Annotated[ObstacleLook | VehicleLook | None, UNSTATED] = None

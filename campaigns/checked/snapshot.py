@@ -31,6 +31,7 @@ _WORDS = {
     "of": "object that it measures",
     "measured_to": "reference point of distances",
     "own_rule": "rule by which it excludes",
+    "unswitched": "lack of switches",
     "reach": "reach",
     "rate": "rate of motion",
     "orders": "condition on its parameters",

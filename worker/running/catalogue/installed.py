@@ -27,7 +27,7 @@ from campaigns.catalogue import (
     Role,
     UnusableEntry,
 )
-from worker.engine.kernels.component import Component
+from worker.engine.kernels.component import Component, Environment, Fault, unswitched
 from worker.engine.search.base import Method
 from worker.engine.systems.closed_loop.parts import Installed
 from worker.engine.systems.simulators.declared.described import Described
@@ -229,9 +229,13 @@ def catalogue() -> Catalogue:
 
 
 def _entry(component: Component) -> ComponentEntry:
-    """A component as data, of the operator's own criteria with the digest of their code."""
+    """A component as data, of the operator's own criteria with the digest of their code; shipped faults that read the
+    time and declare no switches do not jump."""
     entry = component_entry(component, source_of(component))
     home = _HOMES.get(id(component), "")
+    shipped = home.startswith("worker.engine.components.") and not home.startswith(f"{own.PACKAGE}.")
+    if isinstance(component, Fault | Environment) and not shipped:
+        return entry.model_copy(update={"unswitched": unswitched(component)})
     if component.role != "criterion" or not home.startswith(f"{own.PACKAGE}."):
         return entry
     paths = {f"{own.PACKAGE}.{file.stem}": file for file in own.files()}

@@ -90,4 +90,3 @@ def test_a_sample_states_by_what_its_draws_were_excluded(excluded: int, outside:
     for text in (words(counts.bound(0.05)), words(counts.unclaimed("points", "they are chosen"))):
         assert "own rule" in text
         assert "threshold" not in text
-        assert "at or below it" not in text

@@ -133,10 +133,19 @@ class ComponentEntry(Entry):
     measured_to: Literal["", "centre", "surface", "none"] = ""
     """The point of an obstacle to which a criterion measures distances; none if it measures none, empty if it is not
     one of obstacles or does not state it."""
+    computed_by: Annotated[str, UNSTATED] = ""
+    """The digest of the operator's file that declares a criterion, and of those of the operator that it imports,
+    without comments and docstrings; omitted for other components, and in snapshots of earlier versions."""
+    own_rule: Annotated[bool, UNSTATED] = False
+    """Whether a criterion excludes flights at their start by a rule of its own; omitted if it excludes those that start
+    at or below the threshold, and in snapshots of earlier versions."""
     reach: ReachEntry | None = None
     """The largest distance of a point inside an obstacle from its centre; None if the obstacle does not declare it."""
     rate: RateEntry | None = None
     """How fast an obstacle turns; None if it does not move, or does not declare it."""
+    unswitched: Annotated[bool, UNSTATED] = False
+    """Whether a fault or environment of another source than Clearance reads the time and does not declare at which
+    instants it changes abruptly; omitted if not, and in snapshots of earlier versions."""
     orders: Annotated[list[OrderEntry], UNSTATED] = []
     """What its parameters must satisfy together; omitted without any, so that older snapshots keep their digests."""
     look: Annotated[ObstacleLook | VehicleLook | None, UNSTATED] = None

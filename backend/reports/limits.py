@@ -66,6 +66,9 @@ def _measured(record: Record) -> str:
     first = words.flowed(entry.text.strip().partition("\n\n")[0]).removeprefix(f"{entry.title}: ").rstrip(".")
     text = f"What the criterion measures ({entry.title}): {first or 'it has no description'}."
     ends = _ENDS[record.run.criteria[0].measured_to] if record.run.criteria else ""
+    shown = None if record.validated is None else record.validated.encounter
+    if shown is not None and shown.mismeasured is not None:
+        ends = "It does not compute the distance to the obstacles that its component declares."
     return f"{text} {ends}".strip()
 
 
@@ -103,6 +106,12 @@ def _excluded(record: Record) -> str:
     if record.campaign.simulator is not None:
         rest = "No claim is made about such cases; a probability holds for the others only."
         return f"{lost} by the simulator{draws}. {rest} The verdict states its reasons."
+    entry = record.catalogue.component("criterion", record.campaign.criterion.component) if record.catalogue else None
+    if entry is not None and entry.own_rule:
+        return (
+            f"{lost}{draws} by the criterion's own rule. No claim is made about such starts; a probability holds for "
+            "the other starts only."
+        )
     return (
         f"{lost}{draws}: they start at or below the criterion. "
         "No claim is made about such starts; a probability holds for the other starts only."

@@ -8,13 +8,20 @@ from campaigns.checked import extents
 from campaigns.checked.check import parameters
 from campaigns.claims.say import limit, listed, number, say, symbol
 from campaigns.claims.spans import Spans
+from campaigns.results.validate import Mismeasured
 from campaigns.symbols import labels
+
+WHAT_TO_DO = (
+    "correct its component so that its value is this distance in m (to surfaces, less its body_radius), or declare "
+    "what it measures: centre, surface, or none if it measures no distance"
+)
+"""What a criterion must do that declares another distance than it computes."""
 
 
 def clause(campaign: Campaign, catalogue: Catalogue) -> Spans:
     """The clause about distances for the scope of a verdict; empty for a criterion without distances to obstacles."""
     criterion = catalogue.component("criterion", campaign.criterion.component)
-    measured_to = "" if criterion is None else criterion.measured_to
+    measured_to = "" if criterion is None or not extents.in_metres(criterion) else criterion.measured_to
     if measured_to == "surface":
         return say("distances measured to the obstacles' surfaces", _less(campaign, catalogue))
     if measured_to != "centre":
@@ -34,14 +41,16 @@ def overlooked(campaign: Campaign, catalogue: Catalogue) -> Spans:
     rule still reach this check.
     """
     criterion = catalogue.component("criterion", campaign.criterion.component)
-    if criterion is None or (criterion.measured_to != "centre" and not _unstated(criterion)):
+    if criterion is None or (criterion.measured_to in ("", "none") and not _unstated(criterion)):
         return ()
     if _unstated(criterion):
         return say(
             f"it is unknown to which point of the obstacles {criterion.title} measures: declare measured_to in its "
             "component (centre, surface, or none if it measures no distance)"
         )
-    if campaign.criterion.from_centre:
+    if not extents.in_metres(criterion):
+        return _of_another_unit(criterion)
+    if campaign.criterion.from_centre or criterion.measured_to != "centre":
         return ()
     inside = _inside(campaign, catalogue)
     if not inside:
@@ -52,6 +61,31 @@ def overlooked(campaign: Campaign, catalogue: Catalogue) -> Spans:
         *(limit(campaign.criterion.threshold, "m", "threshold"), f" is inside {path}, whose surface extends to "),
         *(number(inside[path], "m", "reach"), " from its centre: a vehicle inside it would count as clear"),
     )
+
+
+def declaration(campaign: Campaign, catalogue: Catalogue) -> str:
+    """The clause that states what the criterion declares to measure; empty if that is no distance to obstacles."""
+    criterion = catalogue.component("criterion", campaign.criterion.component)
+    measures = criterion is not None and criterion.measured_to in ("centre", "surface")
+    return _declared(criterion) if criterion is not None and measures else ""
+
+
+def mismeasured(declared: str, found: Mismeasured, unit: str) -> Spans:
+    """The sentence that the criterion does not compute the distance that it declares; unit: that of its value."""
+    value = say("no value") if found.value is None else say("the value ", number(found.value, unit, "value", 4))
+    return say(
+        *(declared, f", but at a place near obstacle {found.obstacle + 1}, where that distance is "),
+        *(number(found.distance, "m", "distance", 4), ", it has ", value, f"; {WHAT_TO_DO}"),
+    )
+
+
+def _declared(criterion: ComponentEntry) -> str:
+    return f"{criterion.title} declares distances to the obstacles' {criterion.measured_to}s (measured_to)"
+
+
+def _of_another_unit(criterion: ComponentEntry) -> Spans:
+    unit = f"in {criterion.unit}" if criterion.unit else "without a unit"
+    return say(f"{_declared(criterion)}, but its value is {unit}, not in m; {WHAT_TO_DO}")
 
 
 def followed(campaign: Campaign, catalogue: Catalogue) -> bool:

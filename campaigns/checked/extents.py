@@ -7,7 +7,7 @@ from collections.abc import Iterator, Mapping
 
 from campaigns.asked.problem import Problem
 from campaigns.asked.spec import Campaign
-from campaigns.catalogue import Catalogue, ParameterEntry, ReachEntry
+from campaigns.catalogue import Catalogue, ComponentEntry, ParameterEntry, ReachEntry
 from campaigns.checked.texts import number
 
 Known = Mapping[str, tuple[ParameterEntry, float]]
@@ -26,9 +26,14 @@ def centres(campaign: Campaign, catalogue: Catalogue, known: Known) -> Iterator[
     if measured_to == "surface" and criterion.threshold < 0:
         text = "below 0 a vehicle inside an obstacle would count as clear; give 0 or more"
         yield Problem("criterion.threshold", number(criterion.threshold), text)
-    inside = within(campaign, catalogue, known)
+    inside = within(campaign, catalogue, known) if entry is not None and in_metres(entry) else {}
     if measured_to == "centre" and inside and not criterion.from_centre:
         yield Problem("criterion.threshold", number(criterion.threshold), _sentence(catalogue, inside))
+
+
+def in_metres(criterion: ComponentEntry) -> bool:
+    """Whether its threshold can be compared with lengths; a catalogue of an earlier version may state no unit."""
+    return criterion.unit == "m" or "unit" not in criterion.model_fields_set
 
 
 def within(campaign: Campaign, catalogue: Catalogue, known: Known) -> dict[str, float]:

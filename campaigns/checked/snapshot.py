@@ -30,6 +30,8 @@ _WORDS = {
     "worse": "direction of search",
     "of": "object that it measures",
     "measured_to": "reference point of distances",
+    "own_rule": "rule by which it excludes",
+    "unswitched": "lack of switches",
     "reach": "reach",
     "rate": "rate of motion",
     "orders": "condition on its parameters",
@@ -96,7 +98,7 @@ def values_changed(campaign: Campaign, then: Catalogue, now: Catalogue) -> list[
 
 
 def _component(called: str, then: ComponentEntry, now: ComponentEntry) -> Iterator[str]:
-    yield from _fields(called, then, now, ("parameters", "starts", "goals", "role", "name", "look"))
+    yield from _fields(called, then, now, ("parameters", "starts", "goals", "role", "name", "look", "computed_by"))
     for group in _GROUPS:
         yield from _parameters(called, then, now, group)
 
@@ -152,7 +154,8 @@ def _simulator(called: str, then: SimulatorEntry, now: SimulatorEntry) -> Iterat
 def _fields(
     called: str, then: ComponentEntry | MethodEntry, now: ComponentEntry | MethodEntry, but: tuple[str, ...]
 ) -> Iterator[str]:
-    """Plain fields; of the long text only that it has changed. A look does not affect a simulation."""
+    """Plain fields; of the long text only that it has changed. A look does not affect a simulation; that
+    the code of a criterion has changed is stated with the identity of a run."""
     for field in type(then).model_fields:
         was, is_ = getattr(then, field), getattr(now, field)
         # A field that the older catalogue did not record yet shows no change.

@@ -1,4 +1,5 @@
-"""Units of what two campaigns have in common: numbers of one mean the same in the other only if they are equal."""
+"""Units of what two campaigns have in common, and the code of their criterion: numbers of one mean the same in the
+other only if they are equal."""
 
 from __future__ import annotations
 
@@ -9,7 +10,13 @@ from campaigns.checked.texts import unit
 
 
 def differing(then: Campaign, before: Catalogue, now: Campaign, here: Catalogue) -> str:
-    """The first unit of the criterion or of a common uncertain parameter that differs, as a clause; empty if none."""
+    """The first unit of the criterion or of a common uncertain parameter that differs, as a clause; empty if none.
+
+    A criterion of the operator's own must also be computed by the same code: of a changed one, a case may look fixed.
+    """
+    code = _other_code(then, before, here)
+    if code:
+        return code
     was, is_ = _units(then, before), _units(now, here)
     for name in was:
         if unit(was[name]) != unit(is_.get(name, was[name])):
@@ -31,3 +38,15 @@ def _criterion(campaign: Campaign, catalogue: Catalogue) -> str | None:
     simulator = catalogue.simulator(campaign.simulator.name)
     result = None if simulator is None else simulator.result(campaign.criterion.result)
     return None if result is None else result.unit
+
+
+def _other_code(then: Campaign, before: Catalogue, here: Catalogue) -> str:
+    """That the code of the criterion has changed, as a clause; empty if not, or if either is unknown."""
+    name = "" if then.simulator is not None else then.criterion.component
+    was, is_ = before.component("criterion", name), here.component("criterion", name)
+    if was is None or is_ is None or not was.computed_by or not is_.computed_by or was.computed_by == is_.computed_by:
+        return ""
+    return (
+        f"the file of its criterion {name} has changed since; a comparison needs the same criterion, so run this "
+        "campaign without a baseline first"
+    )

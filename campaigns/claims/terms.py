@@ -18,6 +18,8 @@ class Scope:
     what: Spans
     settings: Spans
     version: str
+    distances: Spans = ()
+    """To what distances to obstacles are measured; of a criterion that does not compute them, it is not stated."""
 
 
 @dataclass(frozen=True)

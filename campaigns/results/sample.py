@@ -59,8 +59,8 @@ class Sample(Described):
     failed: int = 0
     """Counted among the violations."""
     excluded: int = 0
-    """Draws without a result that are drawn again: of a closed loop those that start at or below the threshold, of a
-    simulator those that it excludes, for its own reasons."""
+    """Draws without a result that are drawn again: of a closed loop those that start at or below the threshold, or
+    that a criterion's own rule excludes; of a simulator those that it excludes, for its own reasons."""
     outside: float = 0.0
     """The probability beyond the bounds, or an upper bound on it; included in the bound."""
     confidence: float

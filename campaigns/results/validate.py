@@ -185,6 +185,21 @@ class Beyond(Result):
     is neither at rest nor moves away at a constant velocity. Its value is that on straight lines."""
 
 
+class Mismeasured(Result):
+    """A place at which the criterion does not compute the distance that its component declares (`measured_to`)."""
+
+    obstacle: int
+    """The one about which it is, from 0."""
+    time: float
+    """Of the simulation [s]."""
+    position: list[float]
+    """Of the vehicle [m]."""
+    distance: float
+    """That to the nearest obstacle's centre, or to its surface less the radius of the vehicle's body [m]."""
+    value: float | None
+    """The criterion's value there, in its own unit; null if it has none."""
+
+
 class Encounter(Result):
     """Evidence that the avoidance was tested."""
 
@@ -203,6 +218,9 @@ class Encounter(Result):
     beyond: Annotated[Beyond | None, UNLESS_NONE] = None
     """Omitted for a system that is not simulated on, for a criterion that is not one of obstacles, and in results of
     earlier versions."""
+    mismeasured: Annotated[Mismeasured | None, UNLESS_NONE] = None
+    """Omitted for a criterion that computes the distance that it declares, or declares none, and in results of earlier
+    versions, which did not compare them."""
 
 
 class Incumbent(Result):

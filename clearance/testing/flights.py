@@ -25,7 +25,7 @@ def unbreakable(flown: Problem, of: Entries, count: int) -> None:
     assert batch.costs.shape == (len(vectors), len(flown.results))
     assert set(np.unique(batch.status)) <= {OK, FAILED, EXCLUDED}
     assert sorted(reasons) == np.flatnonzero(~ok).tolist()
-    begins = ("the simulation ", "the vehicle ", f"{flown.results[0].quantity} starts at or below ")
+    begins = ("the simulation ", "the vehicle ", f"{flown.results[0].quantity} starts at or below ", "excluded ")
     assert all(reason.startswith(begins) for reason in reasons.values())
 
 

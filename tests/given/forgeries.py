@@ -190,6 +190,12 @@ def _without(name: str) -> Callable[[Folder], None]:
     return change
 
 
+def _mismeasured(folder: Folder) -> None:
+    """A criterion that does not compute the distance that it declares."""
+    at = {"obstacle": 0, "time": 0.0, "position": [1.0, 2.0], "distance": -0.05, "value": 0.45}
+    folder.evidence["results"][5]["encounter"]["mismeasured"] = at
+
+
 def _approaching(folder: Folder) -> None:
     """An obstacle with states that approaches at the end of what is known of it, and a check that holds."""
     later = {
@@ -468,6 +474,7 @@ FORGERIES: list[Forgery] = [
     Forgery("bounds of the campaign", "noisy", edit("campaign/uncertain/vehicle.m/plus_minus", "30%")),
     Forgery("a closest approach", "cleared", edit(f"{ENCOUNTER}/closest/time", 1.0), "result.encounter.closest"),
     Forgery("an approach of which no more is known", "cleared", _approaching),
+    Forgery("a distance that is not computed", "cleared", _mismeasured),
     Forgery("code of another version", "cleared", _other_code, "result.versions"),
     Forgery("code of another version alone", "cleared", edit("result/versions/code", "0" * 64)),
     Forgery("a probability", "estimated", edit(f"{ESTIMATE_}/probability", 0.001)),

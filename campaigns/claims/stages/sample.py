@@ -70,6 +70,8 @@ class Counts:
     """Whether a simulator excluded draws, for reasons of its own."""
     seed: str = ""
     """Which seed the samples have, in words; empty if it was drawn at the launch."""
+    own_rule: bool = False
+    """Whether the criterion excluded draws by another rule than its threshold."""
 
     def bound(self, upper: float) -> Spans:
         """How many violate, and the bound on P(violation)."""
@@ -125,8 +127,11 @@ class Counts:
         only, why = "it holds only for starts above the threshold", f" {start} at or below it and {were} excluded"
         if self.simulator:
             only, why = "it holds only where the simulator excludes nothing", f" {were} excluded"
+        if self.own_rule:
+            only, why = "it holds only for starts that the criterion's own rule does not exclude", f" {were} excluded"
         if over_all:
             which = "that the simulator excludes" if self.simulator else "that start at or below the threshold"
+            which = "that the criterion's own rule excludes" if self.own_rule else which
             only, why = f"draws {which} count as no violations", f" {were} excluded"
         return say(
             f"{self.terms.holds}; {only}: ",

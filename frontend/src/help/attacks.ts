@@ -65,7 +65,7 @@ export const ATTACKS: readonly Attack[] = [
   {
     id: 'excluded',
     title: 'Excluded starts',
-    danger: 'Flights that start at or below the criterion are excluded. If many are, the verdict holds for few.',
+    danger: 'Flights that start at or below the criterion, or that its own rule excludes, are excluded. If many are, the verdict holds for few.',
     answer:
       `They are counted everywhere, the statement on probability names its condition, and above ${percent(LIMITS.excluded)} the run is inconclusive.`,
   },

@@ -97,7 +97,7 @@ def test_the_audit_has_the_same_limits() -> None:
         "HALVED",
         "WIDER",
         "ALIKE",
-        "GRID",
+        "MEASURED",
         "RULES",
         "SMALLEST",
         "POINTS",

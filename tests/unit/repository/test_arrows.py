@@ -128,10 +128,12 @@ MAY: dict[str, tuple[str, ...]] = {
     "worker.running.examination": (
         *(
             "campaigns.catalogue",
+            "campaigns.checked.distances",
             "campaigns.checked.rates",
             "worker.engine.kernels",
             "worker.engine.components.own",
             "worker.engine.systems.closed_loop.assemble",
+            "worker.engine.systems.closed_loop.distances",
         ),
         *("worker.engine.systems.simulators.declared.external", "worker.engine.systems.simulators.declared.outside"),
     ),

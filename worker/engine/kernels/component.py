@@ -255,8 +255,8 @@ class Obstacle:
             object.__setattr__(self, "moving", True)
 
 
-def _reads_time(body: sig.Shown) -> bool:
-    """Whether the code of a body uses its first argument, as far as this is known."""
+def _reads_time(body: Any) -> bool:
+    """Whether the code of a kernel uses its first argument, as far as this is known."""
     code = getattr(python(body), "__code__", None)
     if code is None or not code.co_argcount:
         return True  # what it does with arguments that have no names is unknown
@@ -286,6 +286,13 @@ class Environment:
     frame: Frame | None = None
     orders: tuple[Order, ...] = ()
     role: Literal["environment"] = "environment"
+
+
+def unswitched(component: Fault | Environment) -> bool:
+    """Whether it reads the time and declares no `switches`, not even an empty list: when it jumps is unknown."""
+    if component.switches is not None or (isinstance(component, Fault) and component.path == "guidance"):
+        return False
+    return _reads_time(component.kernel if isinstance(component, Fault) else component.blow)
 
 
 @dataclass(frozen=True)

@@ -22,7 +22,7 @@ from campaigns.claims.terms import Condition as Condition  # packages import the
 from campaigns.claims.terms import Scope as Scope
 from campaigns.claims.terms import Words as Words
 from campaigns.results.finding import ClosestApproach
-from campaigns.results.validate import Beyond, Unseen
+from campaigns.results.validate import Beyond, Mismeasured, Unseen
 from campaigns.stored.records import Trace as Trace
 from worker.engine.search.base import Batch
 
@@ -124,6 +124,8 @@ class Shown:
     moved: float | None
     """Length of the path [m]; None for a trace without rows."""
     unseen: Unseen
+    mismeasured: Mismeasured | None = None
+    """Where the criterion does not compute the distance that it declares; None if it does."""
 
 
 @dataclass(frozen=True)
@@ -223,6 +225,11 @@ class ComponentLoop(System):
     settings: Settings
     realisations: Realised
     """The noise realisations of every evaluation."""
+
+    @property
+    @abstractmethod
+    def own_rule(self) -> bool:
+        """Whether the criterion excludes flights at their start by another rule than its threshold."""
 
     @abstractmethod
     def compare(

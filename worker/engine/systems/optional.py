@@ -60,6 +60,11 @@ def beyond(
     return system.beyond(names, vectors, seeds, below, cancelled) if _defines(system, "beyond") else None
 
 
+def own_rule(system: System) -> bool:
+    """What `ComponentLoop.own_rule` states; False if the system does not define it."""
+    return system.own_rule if _defines(system, "own_rule") else False
+
+
 def about_trim(system: System) -> PolynomialLoop | None:
     """What `ComponentLoop.about_trim` returns; None if the system does not define it."""
     return system.about_trim() if _defines(system, "about_trim") else None

@@ -31,7 +31,7 @@ def required_checks(run: Run, agreed: bool) -> dict[str, bool]:
         "influence": run.calls.influence(run.varies, run.highest - run.lowest),
     }
     checks |= _encounter(run) if run.campaign.simulator is None else {}
-    if run.wording >= limits.GRID and 0 < run.lowest - run.threshold < run.resolution * (1 - 1e-9):
+    if run.wording >= limits.MEASURED and 0 < run.lowest - run.threshold < run.resolution * (1 - 1e-9):
         checks["resolution"] = False
     checks |= run.calls.checks(run.claimed.noise if run.claimed else "stated", run.flaky)
     intended = {name.replace("_", " ") for name in run.campaign.encounter.intended}  # as stated by the author
@@ -74,6 +74,10 @@ def _encounter(run: Run) -> dict[str, bool]:
         inside = extents.within(campaign, components, parameters(campaign, components))
         shown |= {"distances": False} if inside or (run.wording >= limits.AFTER and _unmeasured(run)) else {}
     if run.wording >= limits.AFTER and near(run) and criterion.measured_to not in ("centre", "surface", "none"):
+        shown |= {"distances": False}
+    declares = near(run) and criterion.measured_to in ("centre", "surface")
+    other_unit = run.wording >= limits.MEASURED and criterion.unit != "m"  # its threshold is compared with lengths
+    if declares and (other_unit or encounter.get("mismeasured") is not None):
         shown |= {"distances": False}
     turning, step = rates.turning(campaign, components, parameters(campaign, components)), campaign.given_scenario.step
     shown |= {"sampling": False} if not all(each.rate * step <= limits.TURN for each in turning) else {}

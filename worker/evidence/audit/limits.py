@@ -51,12 +51,13 @@ ALIKE = 17
 which no density as a fraction of the highest one is stated of correlated parameters that are not normal; since which
 the band of a distribution function is wider by the probability that a draw was moved inside the bounds; since which
 equal values of it are one, with the fraction of all costs at or below."""
-GRID = 18
-"""The version since which a margin below the grid on which all values lie does not clear; since which the nearest
-violation on a line from nominal is that of all stored evaluations on it."""
+MEASURED = 18
+"""The version since which a criterion of obstacles must compute the distance that it declares, in m; since which a
+margin below the grid on which all values lie does not clear; since which the nearest violation on a line from nominal
+is that of all stored evaluations on it."""
 RULES = max(
     BASINS, BASELINES, BESIDE, ROUNDED, TAILS, LOWEST, SHARED, CALLED, AFTER, VIOLATING, WHOLE, HALVED, WIDER, ALIKE,
-    GRID,
+    MEASURED,
 )  # fmt: skip
 """The version since which the rules are those of today."""
 POINTS, TIMES = 5, 3

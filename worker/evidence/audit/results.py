@@ -80,7 +80,7 @@ def validated(run: Run, at_most: int, spot_checks: int) -> forms.ValidateResult:
     stated = run.claims["results"][-1]
     nominal, out, stored = run.case(stated["nominal"], "nominal", run.nominal), left_out(run), sum(run.below)
     one = True if run.wording >= limits.AFTER and run.one_point else OMIT
-    grid = (run.resolution if run.wording >= limits.GRID else 0.0) or OMIT
+    grid = (run.resolution if run.wording >= limits.MEASURED else 0.0) or OMIT
     spread = made(
         forms.Spread, evaluations=len(run.costs), lowest=run.lowest, highest=run.highest, one_point=one, grid=grid
     )

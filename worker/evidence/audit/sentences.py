@@ -58,7 +58,9 @@ def of_sample(run: Run, k: int, sample: Sample) -> Sample:
     # One that is short of samples has the number that was requested, so that another one disagrees.
     size, (failed, excluded, outside) = run.draws(k) - sample.excluded, (sample.failed, sample.excluded, sample.outside)
     numbers = sample.violations, size, failed, excluded, outside, run.campaign.confidence
-    counts = templates.Counts(*numbers, terms, run.campaign.simulator is not None, _seed(run, k))
+    criterion = run.claims["components"].component("criterion", run.campaign.criterion.component)
+    own_rule = criterion is not None and criterion.own_rule
+    counts = templates.Counts(*numbers, terms, run.campaign.simulator is not None, _seed(run, k), own_rule)
     statement = counts.bound(sample.upper_bound)
     if sample.looks:
         level = 1.0 - (1.0 - run.campaign.confidence) / (sample.looks * (sample.looks + 1))

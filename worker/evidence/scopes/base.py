@@ -27,5 +27,9 @@ class Terms:
     """Whether it is a simulator of which single calls are confirmed at half its step, too."""
     obstacles: tuple[str, ...] = ()
     """The titles of a scenario's obstacles, in order."""
+    declares: str = ""
+    """The distance that a criterion of obstacles declares, as a clause; empty if it declares none."""
+    own_rule: bool = False
+    """Whether the criterion excludes flights at their start by another rule than its threshold."""
     followed: bool = True
     """Whether the closest approach is known beyond what is simulated; not that of a criterion without distances."""

@@ -15,6 +15,12 @@ from campaigns.claims.terms import Condition, Scope, Words
 from campaigns.codes import CheckCode
 from worker.evidence.scopes.base import Terms
 
+UNSWITCHED = (
+    " without declared switches: an abrupt change between the instants of the integration may be missed by all of its "
+    "means"
+)
+"""After the titles of components that read the time and do not declare at which instants they change."""
+
 
 def described(campaign: Campaign, catalogue: Catalogue, integrator: str) -> Terms:
     """The terms of a campaign's scenario; only criteria on obstacles have a closest approach."""
@@ -36,6 +42,8 @@ def described(campaign: Campaign, catalogue: Catalogue, integrator: str) -> Term
         ),
         shows=(*near, "motion", "avoidance"),
         bars=tuple((code, reason) for code, reason in reasons.items() if reason),
+        declares=distances.declaration(campaign, catalogue),
+        own_rule=criterion is not None and criterion.own_rule,
         followed=distances.followed(campaign, catalogue),
         obstacles=tuple(_title(catalogue, "obstacle", each.component) for each in campaign.given_scenario.obstacles),
     )
@@ -55,11 +63,14 @@ def _scope(campaign: Campaign, catalogue: Catalogue) -> Scope:
     criterion = catalogue.component("criterion", campaign.criterion.component)
     later = "" if criterion is None or criterion.of == "obstacles" else ", beyond which nothing is known"
     settings = say("horizon ", limit(scenario.horizon, "s"), later, ", step ", limit(scenario.step, "s"))
-    measured = distances.clause(campaign, catalogue)
+    unknown = _unswitched(campaign, catalogue)
+    if unknown:
+        settings = say(settings, "; ", listed(unknown), UNSWITCHED)
     return Scope(
         what=say(what, _conditions(campaign, catalogue)),
-        settings=say(settings, "; ", measured) if measured else settings,
+        settings=settings,
         version=f"components of clearance {catalogue.version}",
+        distances=distances.clause(campaign, catalogue),
     )
 
 
@@ -76,6 +87,15 @@ def _conditions(campaign: Campaign, catalogue: Catalogue) -> Spans:
         many = count(len(realised.seeds))
         return say(statement, f", {realised.combine} of ", many, " realisations (noise seeds ", seeds, ")")
     return say(statement, ", noise seed ", seeds)
+
+
+def _unswitched(campaign: Campaign, catalogue: Catalogue) -> list[str]:
+    """The titles of faults and environments of which it is not known when they change."""
+    scenario = campaign.given_scenario
+    environment: list[tuple[Role, str]] = [("environment", part.component) for part in scenario.environment]
+    faults: list[tuple[Role, str]] = [("fault", part.component) for part in scenario.faults]
+    entries = (catalogue.component(*named) for named in (*environment, *faults))
+    return [entry.title for entry in entries if entry is not None and entry.unswitched]
 
 
 def _title(catalogue: Catalogue, role: Role, name: str) -> str:

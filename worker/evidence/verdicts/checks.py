@@ -5,7 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from campaigns import rules
+from campaigns.checked.distances import mismeasured
 from campaigns.claims.say import Part, count, finding, joined, method, number, on_side, say, signed, unnamed
+from campaigns.claims.spans import Spans
 from campaigns.codes import CheckCode
 from campaigns.results.verdict import Check
 from worker.engine.problem.problem import Problem
@@ -33,10 +35,19 @@ def checks(problem: Problem, evidence: Evidence) -> list[Check]:
         _none_failed(evidence),
         *calls(problem, evidence),
         *encounter(problem, evidence),
-        *(check(code, False, statement) for code, statement in terms(problem.system).bars),  # for any result
+        *(check(code, False, statement) for code, statement in _bars(problem, evidence).items()),
         *probability(problem, evidence),
     ]
     return sorted(found, key=lambda check: rules.position(check.code))
+
+
+def _bars(problem: Problem, evidence: Evidence) -> dict[str, Spans]:
+    """What rules out "cleared" for any result, and a criterion that does not compute the distance that it declares."""
+    own, found = terms(problem.system), evidence.encounter.mismeasured
+    wrong: dict[str, Spans] = {}
+    if found is not None:
+        wrong[CheckCode.DISTANCES] = mismeasured(own.declares, found, problem.unit)
+    return wrong | dict(own.bars)
 
 
 def _nominal(problem: Problem, evidence: Evidence) -> Check:

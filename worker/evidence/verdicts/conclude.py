@@ -29,7 +29,7 @@ def conclude(problem: Problem, evidence: Evidence, versions: Versions) -> Verdic
     return Verdict(
         verdict=verdict,
         statement=sentence(problem, evidence, verdict, found, stated),
-        holds_for=scope(problem),
+        holds_for=scope(problem, evidence.encounter.mismeasured is None),
         checks=found,
         statistics=stated,
         nominal=NominalCost(cost=evidence.nominal.cost, margin=evidence.nominal.margin),

@@ -8,6 +8,7 @@ from campaigns.claims.spans import Spans
 from campaigns.codes import CheckCode
 from campaigns.results.verdict import Check
 from worker.engine.problem.problem import Problem
+from worker.evidence.scopes.terms import terms
 from worker.evidence.verdicts.evidence import Evidence, check
 
 MOST = 3
@@ -24,6 +25,8 @@ def exclusions(problem: Problem, evidence: Evidence) -> list[Check]:
     of = "draws of the sample" if drawn >= evaluated else "evaluations"
     why = reasons(problem, evidence, "in all stages " if drawn >= evaluated else "")
     by = say(" were excluded", why) if why else " start at or below the threshold and were excluded"
+    if terms(problem.system).own_rule:
+        by = " were excluded by the criterion's own rule"
     statement = say(probability(much, name="excluded"), f" of the {of}", by, ": nothing is known about them")
     if much > most:
         statement = say(statement, "; narrow the bounds until at most ", percent(most, 6, "most"), " are excluded")

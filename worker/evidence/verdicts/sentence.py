@@ -69,14 +69,16 @@ def sentence(
     return say("Nothing may be claimed: ", why, ". ", worst, " It was found in ", how, ".", lost)
 
 
-def scope(problem: Problem) -> Spans:
-    """The scope of the sentence: the system with its conditions, bounds and settings."""
+def scope(problem: Problem, measured: bool = True) -> Spans:
+    """The scope of the sentence: the system with its conditions, bounds and settings. measured: whether the criterion
+    computes the distance that it declares."""
     described, paths = terms(problem.system).scope, problem.symbols
     units = {p.path: p.unit for p in problem.system.parameters}
     bounds = [say(paths[r.path], ": ", interval(r.low, r.high, units[r.path])) for r in problem.ranges]
     settings = say("; ", described.settings) if described.settings else ()
+    distances = say("; ", described.distances) if described.distances and measured else ()
     ends = f". This result holds for this model within these bounds; {described.version}."
-    return say(described.what, "; ", joined("; ", bounds), settings, ends)
+    return say(described.what, "; ", joined("; ", bounds), settings, distances, ends)
 
 
 def _reason(check: Check) -> Spans:

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import ast
 import inspect
+import textwrap
 from dataclasses import asdict
 from functools import cache
 from types import ModuleType
@@ -47,11 +49,30 @@ def component_entry(component: Component, module: ModuleType) -> ComponentEntry:
         "inputs": [s.name for s in component.inputs] if isinstance(component, Vehicle) else [],
         "reach": _shared(obstacle.reach, ReachEntry) if obstacle and obstacle.reach else None,
         "rate": _shared(obstacle.rate, RateEntry) if obstacle and obstacle.moving and obstacle.rate else None,
+        "own_rule": isinstance(component, Criterion) and _own_rule(component),
         "orders": [OrderEntry.model_validate(asdict(order)) for order in getattr(component, "orders", ())],
         "look": _look(component),
         "text": inspect.getdoc(module) or "",
     }
     return ComponentEntry.model_validate(own)
+
+
+def _own_rule(criterion: Criterion) -> bool:
+    """Whether it excludes by another rule than that its value starts at or below the threshold; also if its text cannot
+    be read, because then no reason can be stated."""
+    if criterion.excluded is None:
+        return False
+    function: Any = getattr(criterion.excluded, "py_func", criterion.excluded)
+    try:
+        made = ast.parse(textwrap.dedent(inspect.getsource(function))).body[0]
+    except (OSError, TypeError, SyntaxError):
+        return True
+    named = function.__globals__.get("value") is criterion.value
+    body = made.body if isinstance(made, ast.FunctionDef) else []
+    rule = [node for node in body if not (isinstance(node, ast.Expr) and isinstance(node.value, ast.Constant))]
+    names = [argument.arg for argument in made.args.args] if isinstance(made, ast.FunctionDef) else []
+    usual = f"return value({', '.join(names)}) <= {names[-1] if names else ''}.threshold"
+    return not named or [ast.unparse(node) for node in rule] != [usual]
 
 
 def _shared(thing: Component | Method | Declared | Reach | Rate, entry: type[BaseModel]) -> dict[str, Any]:

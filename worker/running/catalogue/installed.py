@@ -22,11 +22,12 @@ from typing import Any
 
 from campaigns.catalogue import (
     Catalogue,
+    ComponentEntry,
     Kind,
     Role,
     UnusableEntry,
 )
-from worker.engine.kernels.component import Component
+from worker.engine.kernels.component import Component, Environment, Fault, unswitched
 from worker.engine.search.base import Method
 from worker.engine.systems.closed_loop.parts import Installed
 from worker.engine.systems.simulators.declared.described import Described
@@ -220,11 +221,25 @@ def catalogue() -> Catalogue:
     """Components, methods and simulators as data: units, limits, defaults, and text from their files."""
     return Catalogue(
         version=version("clearance"),
-        components=[component_entry(c, source_of(c)) for c in components().values()],
+        components=[_entry(component) for component in components().values()],
         methods=[method_entry(m, source_of(m)) for m in methods().values()],
         simulators=[s.entry for s in simulators().values()],
         unusable=skipped(),
     )
+
+
+def _entry(component: Component) -> ComponentEntry:
+    """A component as data, of the operator's own criteria with the digest of their code; shipped faults that read the
+    time and declare no switches do not jump."""
+    entry = component_entry(component, source_of(component))
+    home = _HOMES.get(id(component), "")
+    shipped = home.startswith("worker.engine.components.") and not home.startswith(f"{own.PACKAGE}.")
+    if isinstance(component, Fault | Environment) and not shipped:
+        return entry.model_copy(update={"unswitched": unswitched(component)})
+    if component.role != "criterion" or not home.startswith(f"{own.PACKAGE}."):
+        return entry
+    paths = {f"{own.PACKAGE}.{file.stem}": file for file in own.files()}
+    return entry.model_copy(update={"computed_by": own.code_of(home, paths)})
 
 
 def source_of(thing: Component | Method | Simulator | PythonFunction) -> ModuleType:

@@ -306,6 +306,28 @@ def modules_of(module: str, paths: dict[str, Path]) -> list[str]:
     return [] if file is None else sorted({module, *(f"{PACKAGE}.{path.stem}" for path in _imported(file))})
 
 
+def code_of(module: str, paths: dict[str, Path]) -> str:
+    """The digest of a module of this package and of those that it imports, without comments and docstrings; empty for
+    a module of another one."""
+    texts = [_code(paths[name]) for name in modules_of(module, paths) if name in paths]
+    return hashlib.sha256("\0".join(texts).encode()).hexdigest() if texts else ""
+
+
+def _code(file: Path) -> str:
+    tree = ast.parse(file.read_bytes())
+    for node in ast.walk(tree):
+        body = getattr(node, "body", None)
+        if isinstance(body, list):
+            node.body = [each for each in body if not _is_text(each)] or [ast.Pass()]  # type: ignore[attr-defined]
+    return ast.unparse(tree)
+
+
+def _is_text(statement: ast.stmt) -> bool:
+    """Whether it is a docstring, or a text after a declaration."""
+    value = statement.value if isinstance(statement, ast.Expr) else None
+    return isinstance(value, ast.Constant) and isinstance(value.value, str)
+
+
 def blamed(error: BaseException) -> str:
     """The sentence (file, line, message) for an exception of an own component or of a package's; empty otherwise."""
     found = ""

@@ -18,6 +18,11 @@ RATE = (
     "rate=Rate(...), how fast it turns"
 )
 
+SWITCHES = (
+    "it reads the time and declares no switches, so a change between the instants of the integration may be missed, "
+    "which the scope of a verdict states: write switches=..., a function (p, horizon) that returns the instants at "
+    "which it changes abruptly, or an empty list if it never does"
+)
 REACH = (
     "it declares no reach, so no run with it is cleared whose criterion measures to centres: write reach=Reach(...), "
     "the largest distance of a point inside it from the centre that body reports"
@@ -65,10 +70,11 @@ def _examined(file: Path, vehicles: Mapping[str, str], limit: float) -> Examined
     source = reading.read(file)
     reading.check(source)
     # What follows loads the compiler, which takes a second.
-    from worker.engine.kernels.component import Component, Criterion, Obstacle
+    from worker.engine.kernels.component import Component, Criterion, Environment, Fault, Obstacle, unswitched
     from worker.running.examination import purity
     from worker.running.examination.compiling import compile_each
     from worker.running.examination.declaring import declared_by
+    from worker.running.examination.distances import note_of
     from worker.running.examination.flying import flown
 
     def own(name: str) -> Component | None:
@@ -90,4 +96,9 @@ def _examined(file: Path, vehicles: Mapping[str, str], limit: float) -> Examined
         notes += [RATE] * (component.moving and component.rate is None) + [REACH] * (component.reach is None)
     if isinstance(component, Criterion) and component.of == "obstacles" and not component.measured_to:
         notes += [MEASURED]
+    if isinstance(component, Environment | Fault):
+        notes += [SWITCHES] * unswitched(component)
+    if isinstance(component, Criterion):
+        with limited(limit, file, "while comparing its value with distances"):
+            notes += filter(None, [note_of(component, own)])
     return Examined(component.role, component.name, component.title, bool(calls), note="; ".join(notes))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 from typing import Any
 
 import pytest
@@ -10,6 +11,8 @@ from campaigns.asked.load import load_document
 from campaigns.asked.spec import Campaign
 from campaigns.catalogue import Catalogue
 from campaigns.checked.units import differing
+from campaigns.results.baselines import CannotCompare, with_baseline
+from tests.given import verdict_evidence as given
 from tests.given.case_campaigns import campaign
 from tests.simulators import package
 from worker.running.catalogue.installed import catalogue
@@ -56,3 +59,24 @@ def test_a_scenario_has_the_units_of_its_components() -> None:
         }
     )
     assert differing(one, other, one, here).startswith("its criterion")
+
+
+@pytest.mark.parametrize(
+    ("was", "is_", "refused"), [("a", "b", True), ("a", "a", False), ("", "b", False), ("a", "", False)]
+)
+def test_a_criterion_whose_code_has_changed_is_another_one(was: str, is_: str, refused: bool) -> None:
+    """Of an earlier version, or of a package, the code is not known."""
+
+    def by(digest: str) -> Catalogue:
+        entries = [
+            entry.model_copy(update={"computed_by": digest}) if entry.name == one.criterion.component else entry
+            for entry in catalogue().components
+        ]
+        return catalogue().model_copy(update={"components": entries})
+
+    one = campaign()
+    clause = differing(one, by(was), one, by(is_))
+    assert bool(clause) == refused
+    assert not refused or one.criterion.component in clause
+    with pytest.raises(CannotCompare) if refused else contextlib.nullcontext():
+        with_baseline(one, "R-0001", one, [given.finding(0.84)], clause)

@@ -192,19 +192,23 @@ def test_flights_that_fail_after_the_horizon_without_being_counted_clear_in_no_v
         )
 
 
-UNKNOWN = {"circle": ("reach", None), "separation": ("measured_to", "")}
-"""Components of the record, and what their files did not declare."""
+UNKNOWN = {
+    "extent": ("circle", "reach", None),
+    "point": ("separation", "measured_to", ""),
+    "unit": ("separation", "unit", "mm"),
+}
+"""Components of the record, and what their files did not declare, or with what no distance can be compared."""
 
 
 @pytest.mark.by_day(1)
 @every_version
-@pytest.mark.parametrize("component", UNKNOWN)
+@pytest.mark.parametrize("what", UNKNOWN)
 def test_distances_of_which_it_is_not_known_what_they_show_clear_in_no_version(
-    component: str, versions: Sequence[int | None], tmp_path: Path
+    what: str, versions: Sequence[int | None], tmp_path: Path
 ) -> None:
     """A vehicle inside an obstacle could count as clear, and no approach beyond the horizon was looked for."""
     folder = Folder(written(tmp_path / "out", "cleared"))
-    field, value = UNKNOWN[component]
+    component, field, value = UNKNOWN[what]
     entry = next(c for c in folder.evidence["components"]["components"] if c["name"] == component)
     assert entry[field] != value
     entry[field] = value

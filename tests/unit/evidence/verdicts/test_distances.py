@@ -48,7 +48,7 @@ def test_it_bars_neither_distances_to_surfaces_nor_distances_to_centres_that_are
     assert not barred(terms("circle", "surface_separation", reach=None))
     meant = terms("circle", stated=True, reach=None)
     assert not barred(meant)
-    assert "inside obstacles.0" in words(meant.scope.settings)
+    assert "inside obstacles.0" in words(meant.scope.distances)
 
 
 @pytest.mark.parametrize("stated", [False, True])

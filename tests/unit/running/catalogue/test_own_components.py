@@ -281,3 +281,26 @@ def test_a_stored_examination_that_cannot_be_read_is_made_again(folder: Path, re
     [stored] = own._file("").parent.glob("*.json")
     assert json.loads(stored.read_text(encoding="utf-8"))["name"] == "post"
     assert len(read) == 2
+
+
+def test_the_code_of_a_criterion_is_known_with_what_it_imports(folder: Path) -> None:
+    helper = folder / "helping.py"
+    helper.write_text("SHIFT = 0.0\n", encoding="utf-8")
+    file = skeleton(folder, "criterion", "own_gap")
+    text = file.read_text(encoding="utf-8").replace("import kernel\n", "import kernel\nfrom .helping import SHIFT\n")
+    paths = {f"{own.PACKAGE}.{each.stem}": each for each in (file, helper)}
+
+    def code() -> str:
+        return own.code_of(f"{own.PACKAGE}.own_gap", paths)
+
+    file.write_text(text, encoding="utf-8")
+    before = code()
+    assert before
+    file.write_text(text.replace("My criterion:", "Another text:") + "\n# a comment\n", encoding="utf-8")
+    assert code() == before
+    file.write_text(text.replace("return (body.gap,)", "return (body.gap + 0.5,)"), encoding="utf-8")
+    assert code() != before
+    file.write_text(text, encoding="utf-8")
+    helper.write_text("SHIFT = 0.5\n", encoding="utf-8")
+    assert code() != before
+    assert own.code_of("worker.engine.components.criteria.separation", paths) == ""

@@ -193,9 +193,13 @@ def test_an_obstacle_that_moves_at_no_declared_rate_is_noted(
 @pytest.mark.by_day(1)
 @pytest.mark.parametrize(
     ("kind", "without", "note"),
-    [("obstacle", "reach=", examine.REACH), ("criterion", "measured_to=", examine.MEASURED)],
+    [
+        ("obstacle", "reach=", examine.REACH),
+        ("criterion", "measured_to=", examine.MEASURED),
+        ("fault", "switches=", examine.SWITCHES),
+    ],
 )
-def test_what_a_run_is_not_cleared_without_is_noted(
+def test_what_a_component_does_not_declare_is_noted(
     kind: str, without: str, note: str, folder: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     lines = (SKELETONS / f"{kind}.py").read_text(encoding="utf-8").splitlines(keepends=True)

@@ -24,6 +24,7 @@ from worker.engine.search.base import Method
 from worker.engine.stages.parts import claims, noise
 from worker.engine.stages.parts.context import Context
 from worker.engine.stages.parts.shape import Binned, Ordered, Shape
+from worker.engine.systems import optional
 from worker.engine.systems.base import Realised
 
 
@@ -76,6 +77,8 @@ class Sample:
     """Which seed it has, in words; empty if it was drawn at the launch."""
     redrawn: float = 0.0
     """An upper bound on the probability that a draw was moved inside the bounds."""
+    own_rule: bool = False
+    """Whether it is of a criterion that excludes draws by a rule of its own."""
 
     @staticmethod
     def of(columns: Columns, problem: Problem, confidence: float, noise: Noise | None = None, seed: str = "") -> Sample:
@@ -102,7 +105,7 @@ class Sample:
     def counts(self) -> sentences.Counts:
         """What its sentences state."""
         numbers = self.violations, self.size, self.failed, self.excluded, self.outside, self.confidence
-        return sentences.Counts(*numbers, self.noise.terms, self.simulator, self.seed)
+        return sentences.Counts(*numbers, self.noise.terms, self.simulator, self.seed, self.own_rule)
 
     def statement(self, level: float | None = None, counted: int | None = None) -> Statement:
         """Counts, moments, histogram and the bound on P(violation), whose own `level` may be stricter.
@@ -171,7 +174,8 @@ def _sample(
 ) -> Sample:
     simulator, drawn = problem.campaign.simulator is not None, problem.distributions
     noise = noise or Noise.stated(problem.realisations)
-    return Sample(shape, *counts, drawn.outside, confidence, noise, simulator, seed, drawn.redrawn)
+    own_rule = optional.own_rule(problem.system)
+    return Sample(shape, *counts, drawn.outside, confidence, noise, simulator, seed, drawn.redrawn, own_rule)
 
 
 def certifying(seed: SampleSeed) -> str:

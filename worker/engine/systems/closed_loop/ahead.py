@@ -7,6 +7,8 @@ as that of an upright cylinder is not, and an extent is not the same in all dire
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
+from functools import cached_property
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -49,13 +51,21 @@ class _Line(NamedTuple):
 class Ahead:
     """One flight after its last sample: parameters, state, and what is seen there.
 
-    below: a minimum that cannot be below this is known as exactly as the samples of its line.
+    below: a minimum that cannot be below this is known as exactly as the samples of its line. so_far: the lowest value
+    of each channel until then, for criteria that combine obstacles; those of the last sample, if omitted.
     """
 
     def __init__(
-        self, flights: Flights, row: Floats, state: Floats, seen: Seen, time: float, below: float = math.inf
+        self,
+        flights: Flights,
+        row: Floats,
+        state: Floats,
+        seen: Seen,
+        time: float,
+        below: float = math.inf,
+        so_far: Callable[[], Floats] | None = None,
     ) -> None:
-        self._below = below
+        self._below, self._so_far = below, so_far
         self._flights, self._loop, self._row, self._time = flights, flights.loop, row, time
         self._state, self._axes = state[: flights.loop.n_state], flights.parts.vehicle.dimension
         self._inputs = seen.commands[-1, : len(flights.parts.vehicle.inputs)]
@@ -81,23 +91,37 @@ class Ahead:
         return self.value(obstacle, low), leg.begins + time
 
     def value(self, obstacle: int, channel: float) -> float:
-        """The criterion's value if one obstacle's channel is that low, and no other is."""
+        """The criterion's value if one obstacle's channel is that low, and no other is.
+
+        Of a criterion that combines obstacles, which has no finite value where all others are infinitely far away, it
+        is that with the lowest channels of the others so far.
+        """
         every, cost = np.full(self._loop.channels.total, np.inf), self._loop.part("cost")
         every[self._first + obstacle] = channel
         value = float(cost(tuple(map(float, every)), self._p))
-        if not math.isnan(value):
+        if math.isfinite(value):
             return value
-        every = self._now.copy()  # of a criterion without a value where all others are infinite
+        every = self._others.copy()
         every[self._first + obstacle] = channel
         return float(cost(tuple(map(float, every)), self._p))
 
+    def declared(self, obstacle: int) -> float:
+        """The distance to an obstacle that the criterion declares to measure, at the last sample [m]."""
+        body = self._body(obstacle, self._place)
+        if self._flights.parts.criterion.measured_to == "surface":
+            return float(body.gap) - self._parameter("criterion.body_radius")
+        return math.dist(_centre(body, self._axes), self._place[: self._axes])
+
+    @cached_property
+    def _others(self) -> Floats:
+        now: Floats = self._now
+        return now if self._so_far is None else np.minimum(now, self._so_far())
+
     def extent(self, obstacle: int) -> float | None:
         """What the criterion subtracts from the distance to an obstacle's centre, at most [m]; None if unknown."""
-        parts, body = self._flights.parts, self._body(obstacle, self._place)
-        surface = parts.criterion.measured_to == "surface"
-        away = math.dist(_centre(body, self._axes), self._place[: self._axes])
+        surface = self._flights.parts.criterion.measured_to == "surface"
         less = self._parameter("criterion.body_radius") if surface else 0.0
-        distance = (body.gap if surface else away) - less
+        distance = self.declared(obstacle)
         here = self.value(obstacle, float(self._now[self._first + obstacle]))
         if not abs(here - distance) <= SAME * (1.0 + abs(distance)):
             return None  # a criterion of its own

@@ -171,7 +171,12 @@ def _extrapolated(flights: Flights, row: Floats, trace: Floats, last: int, below
     states = any(obstacle.states for obstacle in flights.parts.obstacles)
     before = _seen(flights, row, trace, halfway - 1, halfway) if states and halfway > 0 else seen
     begun = _seen(flights, row, trace, 0, 0) if states else seen
-    ahead = Ahead(flights, row, trace[last], seen, time, below)
+
+    def so_far() -> Floats:
+        lowest: Floats = _seen(flights, row, trace, 0, last).channels.min(axis=0)
+        return lowest
+
+    ahead = Ahead(flights, row, trace[last], seen, time, below, so_far)
     for i, obstacle in enumerate(flights.parts.obstacles):
         closing = bool(seen.deciding[1, i] < seen.deciding[0, i])
         centres = np.concatenate([begun.centres[:1, i], before.centres[:, i], seen.centres[:, i]])
@@ -221,9 +226,11 @@ class _End(NamedTuple):
 
     @property
     def here(self) -> Approach:
-        """The criterion's value at the last sample."""
+        """The criterion's value at the last sample; where that is not finite, the distance that it declares, and not
+        known: whether anything comes below it cannot be compared."""
         value = self.ahead.value(self.obstacle, float(self.seen.deciding[1, self.obstacle]))
-        return Approach(value, self.obstacle, self.since)
+        known = math.isfinite(value)
+        return Approach(value if known else self.ahead.declared(self.obstacle), self.obstacle, self.since, known)
 
     def legs(self, lasts: float) -> tuple[Leg, Leg, Leg]:
         """Those of a vehicle that stops, and of one that goes on and then stops; lasts: how long they are followed."""
@@ -265,9 +272,9 @@ class _End(NamedTuple):
         here = self.here
         for leg in legs:
             value, after = self.ahead.lowest(self.obstacle, leg, drift)
-            if math.isnan(value):
+            if not math.isfinite(value):
                 yield here._replace(known=False)
-            elif value < here.value:
+            elif value < here.value or not here.known:
                 yield Approach(value, self.obstacle, self.since + after)
 
     def _bounded(self, onward: Onward, path: Path, below: float, extent: float) -> Iterator[Approach]:

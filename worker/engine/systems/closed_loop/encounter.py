@@ -13,6 +13,7 @@ from campaigns.results.finding import ClosestApproach
 from campaigns.results.validate import Unseen
 from campaigns.stored.records import Trace
 from worker.engine.systems.base import Floats, Shown
+from worker.engine.systems.closed_loop.distances import in_flights
 from worker.engine.systems.closed_loop.flights import Flights
 from worker.engine.systems.closed_loop.parts import Installed
 from worker.engine.systems.closed_loop.trace import trace
@@ -27,6 +28,7 @@ def shown(flights: Flights, nominal: Trace) -> Shown:
         ClosestApproach.of(nominal.meta.approach, len(nominal.data)),
         _moved(nominal),
         _unseen(flights.campaign, flights.installed, nominal),
+        in_flights(flights),
     )
 
 

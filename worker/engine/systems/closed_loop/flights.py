@@ -122,7 +122,15 @@ class Flights:
         reasons = {int(i): self._reason(float(codes[i]), float(when[i])) for i in np.flatnonzero(status != OK)}
         return status, reasons
 
+    @property
+    def own_rule(self) -> bool:
+        """Whether the criterion excludes flights at their start by another rule than its threshold."""
+        entry = self.installed.catalogue.component("criterion", self.parts.criterion.name)
+        return entry is not None and entry.own_rule
+
     def _reason(self, code: float, when: float) -> str:
+        if code == closed_loop.EXCLUDED and self.own_rule:
+            return f"excluded at the start by the criterion's own rule for {self.parts.criterion.quantity}"
         if code == closed_loop.EXCLUDED:
             return (
                 f"{self.parts.criterion.quantity} starts at or below the threshold of "

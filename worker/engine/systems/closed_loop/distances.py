@@ -1,0 +1,134 @@
+"""Compares the distance that a criterion of obstacles declares with what it computes, at places about every obstacle.
+
+Start reading at `compared`.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from campaigns.results.validate import Mismeasured
+from worker.engine.kernels.layout import Parts
+from worker.engine.systems.base import Floats
+from worker.engine.systems.closed_loop.assemble import Loop
+from worker.engine.systems.closed_loop.flights import Flights
+
+SAME = 1e-9
+"""Values and distances are the same that differ by this fraction of the largest length at most."""
+DIRECTIONS = ((0.8, 0.6, 0.0), (-0.28, 0.9, 0.33), (0.1, -0.5, 0.86))
+"""Of the lines through an obstacle's centre."""
+EXTENTS = (0.9, 3.0, 30.0)
+"""Half the lengths of these lines, in extents of the obstacle: inside it, about it, and far away."""
+PLACES = 7
+"""On each line."""
+VELOCITIES = ((0.0, 0.0, 0.0), (3.0, -2.0, 1.0))
+"""Of the vehicle at a place [m/s]: no distance depends on it."""
+
+
+class Instant(NamedTuple):
+    """An instant [s] of a simulation with these parameters, and the loop's state there."""
+
+    row: Floats
+    time: float
+    state: Floats
+
+
+def in_flights(flights: Flights) -> Mismeasured | None:
+    """The first difference in flights of a campaign: of the nominal case and with the ends of the bounds."""
+    steps, every = flights.counts(flights.step)
+    nominal, paths, uncertain = flights.nominal, flights.paths, flights.campaign.uncertain
+    intervals = {path: of.interval(float(nominal[paths[path]])) for path, of in uncertain.items() if path in paths}
+    vectors = [{}, *({path: ends[k] for path, ends in intervals.items()} for k in (0, 1))]
+    rows = np.stack([flights.vector(values) for values in vectors])
+    # The noise changes no distance between places that are given.
+    rows = np.concatenate([flights.realisations.flights(row[None, :])[:1] for row in rows])
+    traces = flights.loop.simulate(rows, flights.step, steps, every, traced=len(rows)).trace
+    instants = [
+        Instant(row, k * flights.step, trace[k, : flights.loop.n_state])
+        for row, trace in zip(rows, traces, strict=True)
+        for k in (0, steps // 2, steps)
+        if np.isfinite(trace[k, : flights.loop.n_state]).all()
+    ]
+    return compared(flights.loop, flights.parts, instants)
+
+
+def compared(loop: Loop, parts: Parts, instants: Sequence[Instant]) -> Mismeasured | None:
+    """The first difference at some instants; None if there is none, or if the criterion declares no distance."""
+    if parts.criterion.of != "obstacles" or parts.criterion.measured_to not in ("centre", "surface"):
+        return None
+    found = (each for instant in instants for each in _Compared(loop, parts, instant).differences())
+    return next(found, None)
+
+
+class _Compared:
+    """The comparison at one instant."""
+
+    def __init__(self, loop: Loop, parts: Parts, instant: Instant) -> None:
+        self._loop, self._instant, self._axes = loop, instant, parts.vehicle.dimension
+        self._surface, self._count = parts.criterion.measured_to == "surface", len(parts.obstacles)
+        self._inputs, self._p = np.zeros(len(parts.vehicle.inputs)), loop.extend(instant.row)
+        at = {f"{s.prefix}.{q.name}": s.first + k for s in loop.sections for k, q in enumerate(s.parameters)}
+        body = at.get("criterion.body_radius")
+        self._less = 0.0 if body is None or not self._surface else float(instant.row[body])
+
+    def differences(self) -> Iterator[Mismeasured]:
+        for obstacle in range(self._count):
+            body = self._bodies(np.zeros(self._axes))[obstacle]
+            centre, gap = np.array(_centre(body, self._axes)), float(body.gap)
+            extent = abs(float(np.linalg.norm(centre)) - gap)
+            extent = extent if math.isfinite(extent) and extent > SAME else 1.0
+            for direction in DIRECTIONS if np.isfinite(centre).all() else ():
+                line = np.array(direction[: self._axes])
+                for half in EXTENTS:
+                    yield from self._on(obstacle, centre - half * extent * line, half * extent * line)
+
+    def _on(self, obstacle: int, begin: Floats, half: Floats) -> Iterator[Mismeasured]:
+        """The differences at equal intervals of a line; half: the vector to its middle."""
+        each = 2.0 / (PLACES - 1)
+        values = [self._values(begin, half, velocity) for velocity in VELOCITIES]
+        for k in range(PLACES):
+            place = begin + k * each * half
+            distance = self._distance(place)
+            slack = SAME * (1.0 + float(np.abs(place).max()) + abs(distance))
+            value = next((v[k] for v in values if not abs(v[k] - distance) <= slack), None)
+            if value is not None and math.isfinite(distance):
+                yield Mismeasured(
+                    obstacle=obstacle,
+                    time=self._instant.time,
+                    position=[*map(float, place)],
+                    distance=distance,
+                    value=value if math.isfinite(value) else None,
+                )
+
+    def _values(self, begin: Floats, half: Floats, velocity: Sequence[float]) -> list[float]:
+        """The criterion's values on a line."""
+        start = (self._instant.state, begin, half, np.array(velocity[: self._axes]), self._inputs, self._instant.row)
+        channels = self._loop.ahead(start, self._instant.time, 0.0, 0.0, 2.0 / (PLACES - 1), PLACES)
+        return [self._value(row) for row in channels]
+
+    def _value(self, channels: Floats) -> float:
+        try:
+            return float(self._loop.part("cost")(tuple(map(float, channels)), self._p))
+        except ArithmeticError:  # compiled code gives no number there
+            return math.nan
+
+    def _distance(self, place: Floats) -> float:
+        """That to the nearest obstacle, as declared [m]."""
+        bodies = self._bodies(place)
+        if self._surface:
+            return min(float(body.gap) for body in bodies) - self._less
+        return min(math.dist(_centre(body, self._axes), place) for body in bodies)
+
+    def _bodies(self, place: Floats) -> Any:
+        """The obstacles as seen from a place."""
+        states, state = self._loop.states, self._instant.state
+        o = tuple(map(float, state[states.total - states.obstacles :]))
+        return self._loop.part("bodies")(self._instant.time, o, tuple(map(float, place)), self._p)
+
+
+def _centre(body: Any, axes: int) -> tuple[float, ...]:
+    return (body.x, body.y, body.z) if axes == 3 else (body.x, body.y)

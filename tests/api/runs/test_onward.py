@@ -19,6 +19,7 @@ from backend.db.store import RunStore
 from backend.db.sweeps import in_sweep
 from backend.db.tables import CatalogueDocument, EvaluationChunk, Run, RunRefusal, Sweep, SweepRun, Worker
 from backend.db.waiting import CONTINUED
+from backend.runs.onward import PUT_BACK
 from backend.runs.quota import Quota
 from backend.runs.waiting import SAME_MACHINE, SOON
 from backend.signoffs.present import present
@@ -228,6 +229,27 @@ def test_a_campaign_that_cannot_be_run_here_is_not_continued(service: Service, c
     assert (answer.status_code, answer.json()["type"]) == (409, "urn:clearance:problem:not-continuable")
     assert "stages.search.0.method" in answer.json()["detail"]
     assert one(client, run)["not_continuable"] == answer.json()["detail"]
+
+
+@pytest.mark.parametrize("gone", ["unicycle", "circle", "separation", "direct"])
+def test_what_cannot_be_run_here_is_not_begun_again(service: Service, client: httpx.Client, gone: str) -> None:
+    """Without its evaluations it would fail for good."""
+    run = waiting(service, client)
+    fewer = CATALOGUE.model_dump(mode="json")
+    for kind in ("components", "methods"):
+        fewer[kind] = [entry for entry in fewer[kind] if entry["name"] != gone]
+    with service.engine.begin() as writer:
+        writer.execute(sa.update(CatalogueDocument).values(document=fewer))
+    before = one(client, run)
+    answer = client.post(f"/api/v1/runs/{run}/restart")
+    assert (answer.status_code, answer.json()["type"]) == (409, "urn:clearance:problem:not-continuable")
+    assert gone in answer.json()["detail"]
+    assert answer.json()["detail"].endswith(PUT_BACK)
+    assert one(client, run) == before
+    assert stored(service) == (1, 1)
+    with service.engine.begin() as writer:
+        writer.execute(sa.update(CatalogueDocument).values(document=CATALOGUE.model_dump(mode="json")))
+    assert client.post(f"/api/v1/runs/{run}/restart").status_code == 200
 
 
 def test_evaluations_of_an_unknown_model_are_not_continued(service: Service, client: httpx.Client) -> None:

@@ -19,7 +19,7 @@ from backend.runs.schemas import RunDoing
 from campaigns.claims.numbers import count
 from campaigns.identity.identity import COMPONENTS, SIMULATORS
 from campaigns.runs import RunState, run_name
-from campaigns.versions import OTHER_POINTS
+from campaigns.versions import NOT_INSTALLED, OTHER_POINTS
 
 MOST_NAMED = 3
 """Largest number of runs that are named as the reason why another one waits."""
@@ -32,6 +32,7 @@ UNIDENTIFIED = "is not identified"
 """As `campaigns.identity.identity.differences` says it of what is never the same, also with its files as they were."""
 SAME_MACHINE = "A worker on a machine of the kind that began it continues it"
 FILES_BACK = "Put these files back as they were, and it continues"
+PUT_BACK = "Put its file back as it was, or start a worker that has it"
 _COMPILING = "Compiling your closed loop{about}, once: it is stored for later runs."
 
 
@@ -139,6 +140,8 @@ def no_worker(last: float | None, at: float) -> str:
 def _other_code(differs: str, evaluations: int) -> str:
     own = UNIDENTIFIED not in differs and any(f"{place}/" in differs for place in (COMPONENTS, SIMULATORS))
     who, way = "Other code began it than the running workers have", FILES_BACK if own else OLD_VERSION
+    if NOT_INSTALLED in differs:  # neither could it be begun again
+        return f"No running worker has what it needs: {differs}. {PUT_BACK}, and it continues with its evaluations."
     if differs.startswith(OTHER_POINTS):
         who, way = "No running worker can continue it", SAME_MACHINE
     return (
@@ -148,6 +151,8 @@ def _other_code(differs: str, evaluations: int) -> str:
 
 
 def _unknown(differs: str) -> str:
+    if NOT_INSTALLED in differs:
+        return f"No running worker has what it needs: {differs}. {PUT_BACK}, and it begins; or cancel it."
     return (
         f"It was submitted for a newer version than the running workers have: {differs}. Start a worker of the version "
         "of the service, and it begins; or cancel it."

@@ -21,10 +21,11 @@ from backend.db.tables import CatalogueDocument, EvaluationChunk, Run, RunRefusa
 from backend.db.waiting import CONTINUED
 from backend.runs.onward import PUT_BACK
 from backend.runs.quota import Quota
+from backend.runs.waiting import PUT_BACK as PUT_BACK_FILE
 from backend.runs.waiting import SAME_MACHINE, SOON
 from backend.signoffs.present import present
 from campaigns.runs import run_name
-from campaigns.versions import OTHER_POINTS
+from campaigns.versions import NOT_INSTALLED, OTHER_POINTS
 from tests.given.code_versions import CODE, VERSIONS, edited
 from tests.given.service import Service
 from tests.given.small_catalogue import CATALOGUE, campaign
@@ -72,6 +73,17 @@ def test_it_says_what_differs_until_a_worker_of_its_version_is_there(service: Se
     drain(service, "old")
     assert one(client, run)["other_code"] == DIFFERS
     assert client.post(f"/api/v1/runs/{run}/restart").status_code == 200
+
+
+def test_a_run_whose_component_is_missing_waits_for_it_and_is_not_offered_to_be_begun_again(
+    service: Service, client: httpx.Client
+) -> None:
+    run, differs = waiting(service, client), f"a component, method or stage of it {NOT_INSTALLED}"
+    with service.engine.begin() as writer:
+        refusals.store(writer, 1, HERE, differs)
+    assert one(client, run)["waits"] == (
+        f"No running worker has what it needs: {differs}. {PUT_BACK_FILE}, and it continues with its evaluations."
+    )
 
 
 def test_a_run_that_another_kind_of_machine_began_waits_for_one(service: Service, client: httpx.Client) -> None:

@@ -14,7 +14,7 @@ from backend.db.queue import waiting_order
 from backend.db.space import VARIABLE
 from backend.db.tables import Run, Worker
 from backend.db.waiting import BEGUN, has_changed
-from backend.db.workers import SEEN, Doing, last_seen
+from backend.db.workers import Doing, beating, last_seen
 from backend.runs.schemas import RunDoing
 from campaigns.claims.numbers import count
 from campaigns.identity.identity import COMPONENTS, SIMULATORS
@@ -25,6 +25,10 @@ MOST_NAMED = 3
 """Largest number of runs that are named as the reason why another one waits."""
 
 SOON = "It starts automatically within a few seconds."
+UNREPORTED = (
+    "The worker that executed it has not reported since. It starts automatically when this one, or another, reports."
+)
+"""Of a run that is queued again: its worker was killed, or has just given it back."""
 OLD_VERSION = (
     "A worker of the version that began it continues it, if it still runs or the database was not updated since"
 )
@@ -57,7 +61,7 @@ def reasons(reader: sa.Connection, run_ids: Collection[int]) -> dict[int, Waits]
         return {}
     at = now(reader)
     known = (Worker.run_id, Worker.simulators, Worker.installation, Worker.draining, Worker.short)
-    live = reader.execute(sa.select(*known).where(Worker.beat > at - SEEN)).all()
+    live = reader.execute(sa.select(*known).where(beating(at))).all()
     if not live:
         text = no_worker(last_seen(reader), at)
         return {row.id: Waits(text) for row in queued}
@@ -72,7 +76,7 @@ def doing(reader: sa.Connection, run_ids: Collection[int]) -> dict[int, RunDoing
     if not run_ids:
         return {}
     query = sa.select(Worker.run_id, Worker.doing, Worker.name, Run.worker).join(Run, Run.id == Worker.run_id)
-    live = sa.and_(Worker.run_id.in_(run_ids), Run.state == RunState.RUNNING, Worker.beat > now(reader) - SEEN)
+    live = sa.and_(Worker.run_id.in_(run_ids), Run.state == RunState.RUNNING, beating(now(reader)))
     found = {}
     for row in reader.execute(query.where(live)):
         known = Doing.of(row.doing, row.run_id) if row.name == row.worker else None
@@ -109,6 +113,9 @@ def _of(row: Any, live: Sequence[Any], at: float, position: int | None, refused:
 def _one(row: Any, live: Sequence[Any], able: Sequence[Any], at: float, position: int | None) -> str:
     if row.not_before > at:
         return f"It is tried again in {10 * math.ceil((row.not_before - at) / 10)} s."
+    able, live = ([worker for worker in some if worker.run_id != row.id] for some in (able, live))
+    if not able:
+        return UNREPORTED
     if all(worker.run_id is not None for worker in able):
         return _busy([worker.run_id for worker in able], len(live), position)
     if position is not None and position > 1:

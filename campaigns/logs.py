@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import logging
+import re
 from collections.abc import Callable, Mapping
 from datetime import UTC, datetime
 from time import monotonic
@@ -15,6 +16,9 @@ MOST = 1000
 FIELDS = ("run", "stage", "worker", "address", "status")
 """What a line of JSON states besides, where it is known."""
 VARIABLE = "CLEARANCE_LOG"
+
+OWN = re.compile(r"\bTask-\d+|\b0x[0-9a-fA-F]+")
+"""What differs in otherwise equal messages: numbers of tasks, addresses in memory."""
 
 present: dict[str, str | Callable[[], str] | None] = {}
 """The fields that this process is occupied with now, such as its run; a function is asked when a line is written."""
@@ -30,7 +34,8 @@ class Repeats(logging.Filter):
     def filter(self, record: logging.LogRecord) -> bool:
         if record.levelno < logging.WARNING:
             return True
-        key, at = (record.name, record.levelno, record.getMessage()), monotonic()
+        text, at = record.getMessage(), monotonic()
+        key = (record.name, record.levelno, OWN.sub("", text))
         since, count = self._seen.get(key, (-PERIOD, 0))
         if at - since < PERIOD:
             self._seen[key] = since, count + 1
@@ -39,7 +44,7 @@ class Repeats(logging.Filter):
             self._seen.clear()
         self._seen[key] = at, 0
         if count:
-            record.msg, record.args = f"{key[2]} ({count + 1} times since the last line)", None
+            record.msg, record.args = f"{text} ({count + 1} times since the last line)", None
         return True
 
 

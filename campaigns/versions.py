@@ -102,6 +102,9 @@ class Versions(Documented):
 OTHER_POINTS = "its method requests other points than where it was begun"
 """How a worker says why it leaves a run to others, whose code does not differ; what differs follows."""
 
+NOT_INSTALLED = "is not in this installation"
+"""What is said of a component, method or simulator that a worker does not have."""
+
 UNDIGESTED = (
     "it was begun by a version of Clearance that stored no digests of its code: nothing shows which code computed its "
     "first results, nor that later ones are of the same"

@@ -25,9 +25,11 @@ def store(writer: sa.Connection, run_id: int, installation: str, text: str) -> N
 
 
 def by(installation: str, at: float) -> sa.ColumnElement[bool]:
-    """Whether the installation has refused a run within `AGAIN` before this time."""
+    """Whether the installation has refused a run within `AGAIN` before this time; not if that is further ahead, as
+    after the clock was put back."""
     here = (RunRefusal.run_id == Run.id, RunRefusal.installation == installation)
-    return sa.select(RunRefusal.run_id).where(*here, RunRefusal.created > at - AGAIN).exists()
+    recent = (RunRefusal.created > at - AGAIN, RunRefusal.created <= at + AGAIN)
+    return sa.select(RunRefusal.run_id).where(*here, *recent).exists()
 
 
 def of(reader: sa.Connection, run_ids: Collection[int]) -> dict[int, dict[str, str]]:

@@ -13,7 +13,7 @@ from backend.db import sizes
 from backend.db.engine import now
 from backend.db.rows import chunk_rows, lowered, lowest
 from backend.db.tables import EvaluationChunk, SampleBlock, SampleShare, Stage, Worker
-from backend.db.workers import SEEN
+from backend.db.workers import beating
 from campaigns.stored.blocks import Block, packed, unpacked
 from campaigns.stored.records import Columns
 
@@ -36,7 +36,7 @@ def take(
     stored = set(connection.execute(sa.select(SampleBlock.first).where(*_of(run_id, position))).scalars())
     done = [SampleShare.first.in_(sa.select(SampleBlock.first).where(*_of(run_id, position)))] if firsts else []
     connection.execute(sa.delete(SampleShare).where(*of, SampleShare.worker == worker, *done))
-    alive = sa.select(Worker.name).where(Worker.name == SampleShare.worker, Worker.beat > now(connection) - SEEN)
+    alive = sa.select(Worker.name).where(Worker.name == SampleShare.worker, beating(now(connection)))
     elsewhere = (SampleShare.worker != worker, alive.exists())
     taken = set(connection.execute(sa.select(SampleShare.first).where(*of, *elsewhere)).scalars())
     left = [first for first in firsts if first not in stored]

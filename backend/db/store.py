@@ -49,7 +49,7 @@ from campaigns.capsules.sources import Sources
 from campaigns.catalogue import Catalogue
 from campaigns.checked.check import simulation_problems
 from campaigns.checked.question import question
-from campaigns.checked.snapshot import values_changed
+from campaigns.checked.snapshot import absent, values_changed
 from campaigns.identity.identity import differences, identity_of, simulator_of
 from campaigns.results import Finding, StageResult, Verdict
 from campaigns.results.base import EXCLUDED, OK
@@ -102,8 +102,8 @@ class RunStore:
     @_transaction
     def describe(self, connection: sa.Connection, campaign: Campaign, catalogue: Catalogue) -> None:
         """Store the component descriptions of this installation, and what the campaign asks of them; raises `OtherCode`
-        if the run used others, or if the campaign can be run with those of a newer version, for which it was submitted,
-        but not with these.
+        if the run used others, or if the campaign can be run with those with which it was submitted, but not with
+        these: a newer version described them, or some are missing here.
 
         The catalogue at submission may have been published by another worker.
         """
@@ -111,9 +111,11 @@ class RunStore:
         snapshot = self._descriptions(connection, catalogue)
         if begun is None:
             missing = simulation_problems(campaign, catalogue)
-            newer = None if snapshot is None or not _newer(snapshot.version, catalogue) else snapshot
-            if missing and newer is not None and not simulation_problems(campaign, newer):
-                raise OtherCode("; ".join(map(str, missing)))
+            if missing and snapshot is not None and not simulation_problems(campaign, snapshot):
+                if gone := absent(snapshot, catalogue):
+                    raise OtherCode("; ".join(gone))
+                if _newer(snapshot.version, catalogue):
+                    raise OtherCode("; ".join(map(str, missing)))
             found = {"snapshot": snapshots.store(connection, campaign, catalogue)}
             fenced(connection, self.claim, **found, question=question(campaign, catalogue))
             return

@@ -13,7 +13,7 @@ from backend.db import groups, refusals, reset
 from backend.db.continuation import store_text, succeed
 from backend.db.engine import now
 from backend.db.tables import Run, RunText, Stage, SweepRun, Worker
-from backend.db.workers import SEEN
+from backend.db.workers import beating
 from campaigns.asked.spec import Campaign
 from campaigns.catalogue import Catalogue
 from campaigns.runs import RunState, run_name
@@ -71,7 +71,7 @@ def waits(writer: sa.Connection, run_id: int) -> bool:
         return False
     refused = refusals.of(writer, [run_id]).get(run_id, {})
     shown = (Worker.installation, Worker.simulators, Worker.draining)
-    live = writer.execute(sa.select(*shown).where(Worker.beat > now(writer) - SEEN)).all()
+    live = writer.execute(sa.select(*shown).where(beating(now(writer)))).all()
     if not refused and not has_changed(row.needs, [here.simulators for here in live]):
         return False
     others = [here for here in live if here.installation not in refused and not here.draining]

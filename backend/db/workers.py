@@ -28,6 +28,17 @@ SEEN = 20.0
 """A worker counts as alive if it sent a heartbeat within this time, ten times the usual interval [s]."""
 
 
+def recent(beat: float, at: float, within: float = SEEN) -> bool:
+    """Whether a heartbeat was sent within this time. One further ahead is of a clock that has been put back since: it
+    says nothing of whether the worker is alive."""
+    return at - within < beat <= at + within
+
+
+def beating(at: float, within: float = SEEN) -> sa.ColumnElement[bool]:
+    """`recent`, of the rows of workers."""
+    return sa.and_(Worker.beat > at - within, Worker.beat <= at + within)
+
+
 @dataclass(frozen=True)
 class Doing:
     """What a worker does besides the stages of its run: `compiling`, since when, and how long it takes if known [s]."""
@@ -81,7 +92,7 @@ def published(connection: sa.Connection) -> float | None:
 
 def arrive(connection: sa.Connection, name: str) -> None:
     at = now(connection)
-    gone = sa.or_(Worker.name == name, Worker.beat < at - FORGOTTEN)
+    gone = sa.or_(Worker.name == name, ~beating(at, FORGOTTEN))
     connection.execute(sa.delete(Worker).where(gone))
     values = {"name": name, "host": socket.gethostname()[:120], "pid": os.getpid(), "started": at, "beat": at}
     connection.execute(sa.insert(Worker).values(**values))
@@ -90,7 +101,7 @@ def arrive(connection: sa.Connection, name: str) -> None:
 def simulators(connection: sa.Connection, but: str = "") -> list[SimulatorEntry]:
     """The published simulators that a live worker has, other than that of this name; without those of which another
     version published an entry that this one cannot read."""
-    live = (Worker.beat > now(connection) - LIVE, Worker.name != but)
+    live = (beating(now(connection), LIVE), Worker.name != but)
     known = connection.execute(sa.select(Worker.simulators).where(*live)).scalars()
     had = {version for versions in known for version in versions}
     document = connection.scalar(sa.select(CatalogueDocument.document)) or {}
@@ -131,7 +142,7 @@ def beat(
 
 def drain(connection: sa.Connection, name: str) -> int | None:
     """Ask a live worker to take no further run and to end; returns its run, if it has one. Raises `KeyError`."""
-    live = (Worker.name == name, Worker.beat > now(connection) - LIVE)
+    live = (Worker.name == name, beating(now(connection), LIVE))
     drain_update = sa.update(Worker).where(*live).values(draining=True).returning(Worker.name, Worker.run_id)
     row = connection.execute(drain_update).first()
     if row is None:
@@ -143,7 +154,7 @@ def drain(connection: sa.Connection, name: str) -> int | None:
 def compared(connection: sa.Connection, simulator: str | None) -> float | None:
     """When every worker that may run a campaign with this simulator (None: without one) had compared its files with
     what it has published [s since 1970]; None if there is no such worker."""
-    alive = sa.select(Worker.simulators, Worker.compared).where(Worker.beat > now(connection) - SEEN)
+    alive = sa.select(Worker.simulators, Worker.compared).where(beating(now(connection)))
     able = [at for versions, at in connection.execute(alive) if simulator is None or simulator in versions]
     return min(able, default=None)
 
@@ -156,20 +167,21 @@ def leave(connection: sa.Connection, name: str) -> None:
 
 def last_seen(connection: sa.Connection) -> float | None:
     """When any worker was last seen, by its heartbeat or its orderly stop [s since 1970]; None if it is not known."""
-    beaten = connection.scalar(sa.select(sa.func.max(Worker.beat)))
+    possible = Worker.beat <= now(connection) + SEEN  # not of a clock that has been put back since
+    beaten = connection.scalar(sa.select(sa.func.max(Worker.beat)).where(possible))
     left = connection.scalar(sa.select(sa.func.max(CatalogueDocument.departed)))
     return max((at for at in (beaten, left) if at is not None), default=None)
 
 
 def live(connection: sa.Connection) -> list[str]:
     """The names of the live workers."""
-    found = sa.select(Worker.name).where(Worker.beat > now(connection) - LIVE).order_by(Worker.name)
+    found = sa.select(Worker.name).where(beating(now(connection), LIVE)).order_by(Worker.name)
     return list(connection.scalars(found))
 
 
 def alive(connection: sa.Connection, host: str) -> bool:
     """Whether a worker on that machine is live."""
-    found = sa.select(Worker.name).where(Worker.host == host[:120], Worker.beat > now(connection) - LIVE)
+    found = sa.select(Worker.name).where(Worker.host == host[:120], beating(now(connection), LIVE))
     return connection.scalar(found.limit(1)) is not None
 
 

@@ -11,7 +11,7 @@ from pydantic import BaseModel, ValidationError
 from backend.http.errors import RefusedError, problem_of
 from campaigns import Campaign, CampaignError, Problem, load_text
 from campaigns.asked.problem import MOST
-from campaigns.asked.reading import LONGEST_KEY, repeated
+from campaigns.asked.reading import LONGEST_KEY, TOO_LONG, repeated
 
 MOST_CONTAINERS = 100_000
 """Lists and objects of a body in JSON; each costs half a microsecond, and a campaign has some hundred."""
@@ -70,7 +70,7 @@ def document(body: bytes) -> Any:
     except _RepeatedError as error:
         raise unreadable(Problem(str(error), "", "this key is given twice")) from None
     except ValueError:  # Python's limit on parsing integers
-        raise unreadable(Problem("", "", "not readable as JSON: a whole number of more than 4,300 digits")) from None
+        raise unreadable(Problem("", "", f"not readable as JSON: {TOO_LONG}")) from None
 
 
 def described(body: bytes, schema: type[Described]) -> Described:

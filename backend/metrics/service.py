@@ -10,7 +10,7 @@ from backend.db import space
 from backend.db.engine import now, read
 from backend.db.outages import DatabaseOutage
 from backend.db.tables import Run, Worker
-from backend.db.workers import SEEN, STILL, standing_still
+from backend.db.workers import STILL, recent, standing_still
 from backend.metrics.requests import Requests
 from backend.metrics.text import Metric, Sample, gauge
 from backend.runs.filters import Filters
@@ -50,7 +50,7 @@ def _of_the_database(engine: sa.Engine) -> list[Metric]:
         losses = reader.scalar(sa.select(sa.func.sum(Run.losses)).where(Run.state.in_(ACTIVE)))
         still = len(standing_still(reader))
         beats = reader.scalars(sa.select(Worker.beat)).all()
-    alive = sum(beat > at - SEEN for beat in beats)
+    alive = sum(recent(beat, at) for beat in beats)
     workers = {"alive": alive, "lost": len(beats) - alive}
     return [
         Metric(

@@ -20,6 +20,9 @@ from backend.runs.schemas import RunSummary
 from campaigns import Campaign, Catalogue
 from campaigns.runs import run_name
 
+PUT_BACK = "Put back what is missing first, then begin it again; nothing was discarded"
+"""The way on if a run cannot begin again with what is installed."""
+
 
 def retry(writer: sa.Connection, run_id: int, visitor: Visitor, quota: Quota) -> RunSummary:
     """Queue a failed run again with what is stored of it; 409 unless it has failed, or if it is removed.
@@ -39,11 +42,12 @@ def retry(writer: sa.Connection, run_id: int, visitor: Visitor, quota: Quota) ->
 
 
 def restart(writer: sa.Connection, run_id: int, visitor: Visitor) -> RunSummary:
-    """Begin a run again without its evaluations, with the simulator as it is now; 409 unless it waits for its code, 403
-    if it is another user's."""
+    """Begin a run again without its evaluations, with the simulator as it is now; 409 unless it waits for its code or
+    if the newest worker cannot run it, 403 if it is another user's."""
     _own(writer, run_id, visitor)
     if not waiting.waits(writer, run_id):
         raise _not_waiting(run_id)
+    _runnable(writer, run_id)
     lost = writer.scalar(sa.select(Run.evaluations).where(Run.id == run_id))
     if not waiting.restart(writer, run_id, _changed_simulator(writer, run_id)):
         raise _not_waiting(run_id)
@@ -73,11 +77,13 @@ def _changed_simulator(reader: sa.Connection, run_id: int) -> str | None:
     """The published version of the simulator that a run needs; None if that is the same."""
     needs = reader.scalar(sa.select(Run.needs).where(Run.id == run_id))
     entry = None if needs is None else required(reader).simulator(needs.partition("@")[0])
-    if entry is None or needs in entry.versions:
-        return None
+    return None if entry is None or needs in entry.versions else entry.version
+
+
+def _runnable(reader: sa.Connection, run_id: int) -> None:
+    """409 if the newest worker cannot run the campaign: begun again, it would fail without its evaluations."""
     if detail := identity.unusable(run_id, service.campaign(reader, run_id), required(reader)):
-        raise RefusedError("not-continuable", detail)
-    return entry.version
+        raise RefusedError("not-continuable", f"{detail}. {PUT_BACK}")
 
 
 def _usable(reader: sa.Connection, run_id: int) -> tuple[Campaign, Catalogue]:

@@ -14,17 +14,21 @@ from backend.db.queue import waiting_order
 from backend.db.space import VARIABLE
 from backend.db.tables import Run, Worker
 from backend.db.waiting import BEGUN, has_changed
-from backend.db.workers import SEEN, Doing, last_seen
+from backend.db.workers import Doing, beating, last_seen
 from backend.runs.schemas import RunDoing
 from campaigns.claims.numbers import count
 from campaigns.identity.identity import COMPONENTS, SIMULATORS
 from campaigns.runs import RunState, run_name
-from campaigns.versions import OTHER_POINTS
+from campaigns.versions import NOT_INSTALLED, OTHER_POINTS
 
 MOST_NAMED = 3
 """Largest number of runs that are named as the reason why another one waits."""
 
 SOON = "It starts automatically within a few seconds."
+UNREPORTED = (
+    "The worker that executed it has not reported since. It starts automatically when this one, or another, reports."
+)
+"""Of a run that is queued again: its worker was killed, or has just given it back."""
 OLD_VERSION = (
     "A worker of the version that began it continues it, if it still runs or the database was not updated since"
 )
@@ -32,6 +36,7 @@ UNIDENTIFIED = "is not identified"
 """As `campaigns.identity.identity.differences` says it of what is never the same, also with its files as they were."""
 SAME_MACHINE = "A worker on a machine of the kind that began it continues it"
 FILES_BACK = "Put these files back as they were, and it continues"
+PUT_BACK = "Put its file back as it was, or start a worker that has it"
 _COMPILING = "Compiling your closed loop{about}, once: it is stored for later runs."
 
 
@@ -56,7 +61,7 @@ def reasons(reader: sa.Connection, run_ids: Collection[int]) -> dict[int, Waits]
         return {}
     at = now(reader)
     known = (Worker.run_id, Worker.simulators, Worker.installation, Worker.draining, Worker.short)
-    live = reader.execute(sa.select(*known).where(Worker.beat > at - SEEN)).all()
+    live = reader.execute(sa.select(*known).where(beating(at))).all()
     if not live:
         text = no_worker(last_seen(reader), at)
         return {row.id: Waits(text) for row in queued}
@@ -71,7 +76,7 @@ def doing(reader: sa.Connection, run_ids: Collection[int]) -> dict[int, RunDoing
     if not run_ids:
         return {}
     query = sa.select(Worker.run_id, Worker.doing, Worker.name, Run.worker).join(Run, Run.id == Worker.run_id)
-    live = sa.and_(Worker.run_id.in_(run_ids), Run.state == RunState.RUNNING, Worker.beat > now(reader) - SEEN)
+    live = sa.and_(Worker.run_id.in_(run_ids), Run.state == RunState.RUNNING, beating(now(reader)))
     found = {}
     for row in reader.execute(query.where(live)):
         known = Doing.of(row.doing, row.run_id) if row.name == row.worker else None
@@ -108,6 +113,9 @@ def _of(row: Any, live: Sequence[Any], at: float, position: int | None, refused:
 def _one(row: Any, live: Sequence[Any], able: Sequence[Any], at: float, position: int | None) -> str:
     if row.not_before > at:
         return f"It is tried again in {10 * math.ceil((row.not_before - at) / 10)} s."
+    able, live = ([worker for worker in some if worker.run_id != row.id] for some in (able, live))
+    if not able:
+        return UNREPORTED
     if all(worker.run_id is not None for worker in able):
         return _busy([worker.run_id for worker in able], len(live), position)
     if position is not None and position > 1:
@@ -139,6 +147,8 @@ def no_worker(last: float | None, at: float) -> str:
 def _other_code(differs: str, evaluations: int) -> str:
     own = UNIDENTIFIED not in differs and any(f"{place}/" in differs for place in (COMPONENTS, SIMULATORS))
     who, way = "Other code began it than the running workers have", FILES_BACK if own else OLD_VERSION
+    if NOT_INSTALLED in differs:  # neither could it be begun again
+        return f"No running worker has what it needs: {differs}. {PUT_BACK}, and it continues with its evaluations."
     if differs.startswith(OTHER_POINTS):
         who, way = "No running worker can continue it", SAME_MACHINE
     return (
@@ -148,6 +158,8 @@ def _other_code(differs: str, evaluations: int) -> str:
 
 
 def _unknown(differs: str) -> str:
+    if NOT_INSTALLED in differs:
+        return f"No running worker has what it needs: {differs}. {PUT_BACK}, and it begins; or cancel it."
     return (
         f"It was submitted for a newer version than the running workers have: {differs}. Start a worker of the version "
         "of the service, and it begins; or cancel it."

@@ -25,6 +25,8 @@ FIRST, LONGEST = 10.0, 3600.0
 """The first pause between two attempts, which doubles, and the longest one [s]."""
 LOST = 60.0
 """An attempt that has reported no outcome after this time counts as lost [s]."""
+SLACK = 60.0
+"""How long before it is noticed that the clock was put back runs that ended are reported [s]."""
 NEAR = 1000
 """Runs below the oldest active one that are examined again: transactions may commit out of order."""
 BATCH = 100
@@ -46,10 +48,23 @@ class Outbox:
         with self.engine.begin() as writer:
             row = insert(writer, WebhookTarget).values(id=self.target, since=now(writer))
             writer.execute(row.on_conflict_do_nothing())
+        self._lower()
+
+    def _lower(self) -> None:
+        """Report what ends from now on if the target was configured before the clock was put back."""
+        with read(self.engine) as reader:  # so that an idle service never writes
+            ahead = (WebhookTarget.id == self.target, WebhookTarget.since > now(reader))
+            if reader.scalar(sa.select(WebhookTarget.since).where(*ahead)) is None:
+                return
+        with self.engine.begin() as writer:
+            at = now(writer)
+            ahead = (WebhookTarget.id == self.target, WebhookTarget.since > at)
+            writer.execute(sa.update(WebhookTarget).where(*ahead).values(since=at - SLACK))
 
     def fill(self) -> int:
         """Store a message for every run that has ended since the target was configured; returns how many were new."""
         count = 0
+        self._lower()
         while ids := self._unreported():
             with self.engine.begin() as writer:
                 for run_id in self._still(writer, ids):
@@ -95,11 +110,11 @@ class Outbox:
         columns = (WebhookDelivery.id, WebhookDelivery.body, WebhookDelivery.attempts)
         next_one = sa.select(*columns).order_by(WebhookDelivery.not_before, WebhookDelivery.created).limit(1)
         with read(self.engine) as reader:  # so that an idle service never writes
-            if reader.execute(next_one.where(*due, WebhookDelivery.not_before <= now(reader))).first() is None:
+            if reader.execute(next_one.where(*due, _due(now(reader)))).first() is None:
                 return None
         with self.engine.begin() as writer:
             at = now(writer)
-            locked = next_one.where(*due, WebhookDelivery.not_before <= at).with_for_update(skip_locked=True)
+            locked = next_one.where(*due, _due(at)).with_for_update(skip_locked=True)
             row = writer.execute(locked).first()
             if row is None:
                 return None
@@ -131,6 +146,11 @@ def test(writer: sa.Connection, target: str) -> str:
     values = _new(writer, target, body.TEST)
     writer.execute(sa.insert(WebhookDelivery).values(**values, body=body.test(now(writer))))
     return str(values["id"])
+
+
+def _due(at: float) -> sa.ColumnElement[bool]:
+    """A pause further ahead than any is given is over: the clock was put back."""
+    return sa.or_(WebhookDelivery.not_before <= at, WebhookDelivery.not_before > at + LONGEST)
 
 
 def _new(writer: sa.Connection, target: str, kind: str) -> dict[str, object]:

@@ -9,7 +9,7 @@ import sqlalchemy as sa
 from backend.db.engine import now
 from backend.db.space import Room
 from backend.db.tables import Run, Stage, Worker
-from backend.db.workers import SEEN, Doing, last_seen, standing_still
+from backend.db.workers import Doing, beating, last_seen, recent, standing_still
 from backend.runs import waiting
 from backend.workers.schemas import Space, Still, WorkerOut, Workers
 from campaigns.runs import RunState, StageState, run_name
@@ -22,7 +22,7 @@ LISTED = 600.0
 def workers(reader: sa.Connection, room: Room) -> Workers:
     """The live workers, those that have become silent recently, when one was last seen, and the space left."""
     at = now(reader)
-    listed = sa.select(Worker.__table__).where(Worker.beat > at - LISTED).order_by(Worker.started, Worker.name)
+    listed = sa.select(Worker.__table__).where(beating(at, LISTED)).order_by(Worker.started, Worker.name)
     rows = reader.execute(listed).all()
     stages = _stages(reader, [row.run_id for row in rows if row.run_id is not None])
     items = [_out(row, at, stages) for row in rows]
@@ -39,7 +39,7 @@ def workers(reader: sa.Connection, room: Room) -> Workers:
 
 
 def _out(row: Any, at: float, stages: dict[int, str]) -> WorkerOut:
-    silent = row.beat <= at - SEEN
+    silent = not recent(row.beat, at)
     known = None if silent else Doing.of(row.doing, row.run_id)
     same = ("name", "host", "pid", "started", "beat", "draining", "short")
     return WorkerOut(

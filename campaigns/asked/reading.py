@@ -33,6 +33,9 @@ _PARSED_DEPTH = 100
 _EXPLAINED = 64_000
 """Longer invalid YAML is reported with libyaml's message; PyYAML's is better but takes 25 us per value."""
 
+TOO_LONG = "a whole number of more than 4,300 digits"
+"""Python reads none."""
+
 _TOO_MANY = f"more than {MOST_VALUES:,} values, keys counted: shorten the campaign, or give it as JSON"
 
 
@@ -53,6 +56,10 @@ def parse(text: str) -> Any:
                 return json.loads(text, object_pairs_hook=_distinct)
             except json.JSONDecodeError:
                 pass  # a YAML mapping may also begin with a brace
+            except UnreadableError:
+                raise
+            except ValueError:
+                raise UnreadableError("", f"not readable as JSON: {TOO_LONG}") from None
         return _yaml(text)
     except UnreadableError:
         raise
@@ -208,7 +215,10 @@ class _Plain(yaml.composer.Composer, yaml.constructor.SafeConstructor):
 
     def construct_whole(self, node: yaml.ScalarNode) -> int:
         """A whole number is decimal: 012 is 12."""
-        return int(node.value)
+        try:
+            return int(node.value)
+        except ValueError:
+            raise _RefusedError(TOO_LONG, node.start_mark) from None
 
 
 class _Loader(_Plain, yaml.SafeLoader):

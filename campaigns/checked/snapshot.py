@@ -13,6 +13,7 @@ from campaigns.asked.spec import Campaign
 from campaigns.catalogue import Catalogue, ComponentEntry, MethodEntry, ParameterEntry, SimulatorEntry
 from campaigns.checked.check import parameters, parts
 from campaigns.documents import digest_of as digest_of
+from campaigns.versions import NOT_INSTALLED
 
 _WORDS = {
     "title": "title",
@@ -82,10 +83,8 @@ def changes(then: Catalogue, now: Catalogue) -> list[str]:
 def values_changed(campaign: Campaign, then: Catalogue, now: Catalogue) -> list[str]:
     """The differences that change the campaign's simulations, as clauses: effective values, units, missing
     components."""
-    gone = [f"the {c.role} {c.name}" for c in then.components if now.component(c.role, c.name) is None]
-    gone += [f"the simulator {s.name}" for s in then.simulators if now.simulator(s.name) is None]
-    if gone:
-        return [_gone(called) for called in gone]
+    if gone := absent(then.model_copy(update={"methods": []}), now):
+        return gone
     found, after = [], parameters(campaign, now)
     for path, (entry, value) in parameters(campaign, then).items():
         if path not in after:
@@ -95,6 +94,14 @@ def values_changed(campaign: Campaign, then: Catalogue, now: Catalogue) -> list[
         if was != is_:
             found.append(f"{path} was {was}, here it is {is_}")
     return found
+
+
+def absent(then: Catalogue, now: Catalogue) -> list[str]:
+    """The entries of a snapshot that another catalogue does not have, as clauses."""
+    gone = [f"the {c.role} {c.name}" for c in then.components if now.component(c.role, c.name) is None]
+    gone += [f"the method {m.name}" for m in then.methods if now.method(m.name) is None]
+    gone += [f"the simulator {s.name}" for s in then.simulators if now.simulator(s.name) is None]
+    return [_gone(called) for called in gone]
 
 
 def _component(called: str, then: ComponentEntry, now: ComponentEntry) -> Iterator[str]:
@@ -168,7 +175,7 @@ def _fields(
 
 
 def _gone(called: str) -> str:
-    return f"{called} is not in this installation"
+    return f"{called} {NOT_INSTALLED}"
 
 
 def _by_name(entry: ComponentEntry | SimulatorEntry, group: str) -> dict[str, ParameterEntry]:

@@ -7,6 +7,9 @@ A frame holds one msgpack message (viser 1.1.1, `WebsocketClientWorker.ts`).
 from __future__ import annotations
 
 import asyncio
+import functools
+import math
+from typing import Any, Literal, Union, get_args, get_origin, get_type_hints
 
 from viser import _messages
 
@@ -14,6 +17,11 @@ from backend.access.rates import Bucket
 
 LARGEST = 65_536
 """Maximum size of a message; a camera has 0.3 kB [bytes]."""
+
+LARGEST_NUMBER = 1e9
+"""Maximum size of a number of a message, such as a coordinate [m] or a size [px]."""
+
+SOUND = f"its vectors must be complete, its numbers finite and at most {LARGEST_NUMBER:g}"
 
 ALLOWED = (
     _messages.ViewerCameraMessage,
@@ -46,4 +54,40 @@ def refusal(message: bytes | str) -> str:
         return f"{type(content).__name__[:60]} is not allowed here"
     if isinstance(content, _messages.GuiUpdateMessage) and set(content.updates) != {"value"}:
         return "only the value of an element can be changed"
-    return ""
+    return "" if _sound(content) else f"{type(content).__name__}: {SOUND}"
+
+
+def _sound(content: _messages.Message) -> bool:
+    """Whether every field has the type and length that viser declares, which viser does not check."""
+    hints = _hints(type(content))
+    if not all(_fits(value, hints[name]) for name, value in vars(content).items() if name in hints):
+        return False
+    return not isinstance(content, _messages.ViewerCameraMessage) or _looks(content)
+
+
+def _looks(camera: _messages.ViewerCameraMessage) -> bool:
+    """Whether the camera has a direction of view: viser raises an exception for one that is at its target."""
+    away = math.dist(camera.position, camera.look_at)
+    return min(away, math.hypot(*camera.up_direction), math.hypot(*camera.wxyz)) > 0.0
+
+
+@functools.cache
+def _hints(kind: type) -> dict[str, Any]:
+    return get_type_hints(kind)
+
+
+def _fits(value: object, hint: Any) -> bool:
+    """Whether a decoded value has the declared type; numbers are finite and of limited size."""
+    kinds, origin = get_args(hint), get_origin(hint)
+    if origin is Union:
+        return any(_fits(value, kind) for kind in kinds)
+    if origin is tuple:
+        if not isinstance(value, list | tuple):
+            return False
+        of = (kinds[0],) * len(value) if kinds[-1] is Ellipsis else kinds
+        return len(value) == len(of) and all(map(_fits, value, of))
+    if origin is Literal:
+        return isinstance(value, str) and value in kinds
+    if hint in (int, float):
+        return isinstance(value, int | float) and abs(value) <= LARGEST_NUMBER  # false of NaN
+    return not isinstance(hint, type) or isinstance(value, hint)

@@ -19,11 +19,13 @@ from backend.db.store import RunStore
 from backend.db.sweeps import in_sweep
 from backend.db.tables import CatalogueDocument, EvaluationChunk, Run, RunRefusal, Sweep, SweepRun, Worker
 from backend.db.waiting import CONTINUED
+from backend.runs.onward import PUT_BACK
 from backend.runs.quota import Quota
+from backend.runs.waiting import PUT_BACK as PUT_BACK_FILE
 from backend.runs.waiting import SAME_MACHINE, SOON
 from backend.signoffs.present import present
 from campaigns.runs import run_name
-from campaigns.versions import OTHER_POINTS
+from campaigns.versions import NOT_INSTALLED, OTHER_POINTS
 from tests.given.code_versions import CODE, VERSIONS, edited
 from tests.given.service import Service
 from tests.given.small_catalogue import CATALOGUE, campaign
@@ -71,6 +73,17 @@ def test_it_says_what_differs_until_a_worker_of_its_version_is_there(service: Se
     drain(service, "old")
     assert one(client, run)["other_code"] == DIFFERS
     assert client.post(f"/api/v1/runs/{run}/restart").status_code == 200
+
+
+def test_a_run_whose_component_is_missing_waits_for_it_and_is_not_offered_to_be_begun_again(
+    service: Service, client: httpx.Client
+) -> None:
+    run, differs = waiting(service, client), f"a component, method or stage of it {NOT_INSTALLED}"
+    with service.engine.begin() as writer:
+        refusals.store(writer, 1, HERE, differs)
+    assert one(client, run)["waits"] == (
+        f"No running worker has what it needs: {differs}. {PUT_BACK_FILE}, and it continues with its evaluations."
+    )
 
 
 def test_a_run_that_another_kind_of_machine_began_waits_for_one(service: Service, client: httpx.Client) -> None:
@@ -228,6 +241,27 @@ def test_a_campaign_that_cannot_be_run_here_is_not_continued(service: Service, c
     assert (answer.status_code, answer.json()["type"]) == (409, "urn:clearance:problem:not-continuable")
     assert "stages.search.0.method" in answer.json()["detail"]
     assert one(client, run)["not_continuable"] == answer.json()["detail"]
+
+
+@pytest.mark.parametrize("gone", ["unicycle", "circle", "separation", "direct"])
+def test_what_cannot_be_run_here_is_not_begun_again(service: Service, client: httpx.Client, gone: str) -> None:
+    """Without its evaluations it would fail for good."""
+    run = waiting(service, client)
+    fewer = CATALOGUE.model_dump(mode="json")
+    for kind in ("components", "methods"):
+        fewer[kind] = [entry for entry in fewer[kind] if entry["name"] != gone]
+    with service.engine.begin() as writer:
+        writer.execute(sa.update(CatalogueDocument).values(document=fewer))
+    before = one(client, run)
+    answer = client.post(f"/api/v1/runs/{run}/restart")
+    assert (answer.status_code, answer.json()["type"]) == (409, "urn:clearance:problem:not-continuable")
+    assert gone in answer.json()["detail"]
+    assert answer.json()["detail"].endswith(PUT_BACK)
+    assert one(client, run) == before
+    assert stored(service) == (1, 1)
+    with service.engine.begin() as writer:
+        writer.execute(sa.update(CatalogueDocument).values(document=CATALOGUE.model_dump(mode="json")))
+    assert client.post(f"/api/v1/runs/{run}/restart").status_code == 200
 
 
 def test_evaluations_of_an_unknown_model_are_not_continued(service: Service, client: httpx.Client) -> None:

@@ -14,6 +14,7 @@ from backend.db.engine import read
 from backend.db.queue import Queue
 from backend.db.store import RunStore
 from backend.db.tables import CatalogueDocument, CatalogueSnapshot, Run
+from backend.runs.waiting import PUT_BACK
 from campaigns import Campaign, CampaignError, Catalogue
 from campaigns.checked.snapshot import changes, digest_of, snapshot, values_changed
 from campaigns.versions import OtherCode
@@ -23,6 +24,8 @@ from tests.given.reported_runs import PLAN, finish_fully, missing
 from tests.given.service import Service
 from tests.given.small_catalogue import CATALOGUE, campaign
 from tests.given.submissions import submit
+from tests.given.waiting_runs import HERE, OLD, arrive
+from worker.running.processes import child
 from worker.running.runs import begun
 
 ASKED = Campaign.model_validate(campaign())
@@ -184,13 +187,44 @@ def test_a_worker_without_what_the_campaign_was_submitted_with_leaves_it_to_othe
     assert client.get("/api/v1/runs/R-0001/components").json() == before
 
 
+@pytest.mark.parametrize("name", ["unicycle", "potential_field", "circle", "separation", "direct"])
+def test_a_worker_of_the_same_version_without_what_a_run_needs_leaves_it_to_others(
+    service: Service, client: httpx.Client, name: str
+) -> None:
+    run = submit(client)
+    before = client.get(f"/api/v1/runs/{run}/components").json()
+    fewer = altered(lambda d: d["components" if name != "direct" else "methods"].remove(entry(d, name)))
+    queue = Queue(service.engine)
+    claim = queue.claim("w1", (), HERE)
+    assert claim is not None
+    answer = child.perform(lambda campaign, store: pytest.fail("it is executed"), service.engine, fewer, claim)
+    assert (answer["outcome"], name in answer["text"]) == ("refused", True)
+    queue.refuse(claim, HERE, answer["text"])
+    arrive(service, "w1", HERE)
+    waits = client.get(f"/api/v1/runs/{run}").json()
+    assert (waits["state"], waits["error"], waits["other_code"]) == ("queued", None, None)
+    assert name in waits["waits"]
+    assert PUT_BACK in waits["waits"]
+    assert client.get(f"/api/v1/runs/{run}/components").json() == before
+    assert queue.claim("w2", (), OLD) is not None
+
+
+def test_a_run_without_snapshot_leaves_nothing_to_others(service: Service, client: httpx.Client) -> None:
+    """Nothing shows that any worker had the component."""
+    submit(client)
+    forget(service)
+    claim = Queue(service.engine).claim("w1")
+    assert claim is not None
+    RunStore(service.engine, claim).describe(ASKED, altered(lambda d: d["components"].remove(entry(d, "circle"))))
+
+
 def test_what_the_same_version_cannot_run_fails(service: Service, client: httpx.Client) -> None:
     submit(client)
     claim = Queue(service.engine).claim("w1")
     assert claim is not None
     store = RunStore(service.engine, claim)
     assert not store.of_newer_version(CATALOGUE)
-    store.describe(ASKED, altered(lambda d: d["components"].remove(entry(d, "circle"))))
+    store.describe(ASKED, altered(lambda d: entry(d, "unicycle")["parameters"][0].update(high=1e-6)))
     document = ASKED.document()
     with pytest.raises(CampaignError, match="novel"):
         begun.readable({**document, "scenario": {**document["scenario"], "novel": 1}}, "run 1", None)

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
+import math
 import time
 from contextlib import suppress
+from typing import Any
 
 import httpx
 import msgspec
@@ -18,7 +20,7 @@ from websockets.sync.client import ClientConnection
 from backend.access.rates import Bucket
 from backend.db.access import revoke_token
 from backend.scenes.control import relay
-from backend.scenes.control.messages import BURST, LARGEST, RATE, paced, refusal
+from backend.scenes.control.messages import BURST, LARGEST, RATE, SOUND, paced, refusal
 from tests.given.finished_runs import finish
 from tests.given.joined_users import joined
 from tests.given.problem_documents import problem
@@ -87,6 +89,37 @@ def test_anything_else_is_refused_in_a_sentence(message: bytes | str, why: str) 
     assert len(refusal(message).encode()) <= 123, "the room for a reason (RFC 6455, section 5.5)"
 
 
+CLICK = {"name": "/x", "instance_index": None, "ray_origin": (0.0,) * 3, "ray_direction": (0.0, 0.0, 1.0)}
+CLICK |= {"type": "SceneNodeClickMessage", "screen_pos": (0.5, 0.5), "modifier": None}
+VECTORS = ("wxyz", "position", "look_at", "up_direction")
+WRONG = (math.nan, math.inf, -math.inf, 1.1e9, -1e308, "x", None)
+
+
+def with_wrong_numbers() -> list[dict[str, Any]]:
+    """Messages of which one vector or number is not one."""
+    camera = {"type": "ViewerCameraMessage", **CAMERA}
+    vectors: dict[str, Any] = {name: CAMERA[name] for name in VECTORS}
+    found = [camera | {name: value} for name in CAMERA if name not in VECTORS for value in WRONG]
+    found += [camera | {name: (value, *vector[1:])} for name, vector in vectors.items() for value in WRONG]
+    lengths = [(name, vector[:-1]) for name, vector in vectors.items()]
+    lengths += [(name, (*vector, 1.0)) for name, vector in vectors.items()]
+    lengths += [(name, changed) for name in VECTORS for changed in ((), None, "abc", 1.0)]
+    found += [camera | {name: changed} for name, changed in lengths]
+    found += [camera | {"position": (1.0, 2.0), "look_at": (0.0, 0.0)}, camera | {"position": CAMERA["look_at"]}]
+    found += [camera | {"up_direction": (0.0, 0.0, 0.0)}, camera | {"wxyz": (0.0, 0.0, 0.0, 0.0)}]
+    pointer = {"type": "ScenePointerMessage", **POINTER, "modifier": None}
+    found += [pointer | {"ray_direction": (math.nan, 0.0, 0.0)}, pointer | {"ray_origin": (1.0,)}]
+    found += [pointer | {"screen_pos": [[0.1]]}, pointer | {"event_type": "x"}]
+    return [*found, CLICK | {"name": 5}, CLICK | {"ray_origin": None}, CLICK | {"screen_pos": 3}]
+
+
+@pytest.mark.filterwarnings("ignore:.viser.")
+def test_messages_with_vectors_of_another_length_or_numbers_that_are_none_are_refused() -> None:
+    assert [message for message in with_wrong_numbers() if not refusal(packed(message))] == []
+    assert all(len(refusal(packed(message)).encode()) <= 123 for message in with_wrong_numbers())
+    assert refusal(packed(CLICK)) == ""
+
+
 def test_of_all_messages_of_viser_only_those_are_passed_on() -> None:
     known = {kind.__name__ for kind in _messages.Message.get_subclasses()}
     assert len(known) > 100
@@ -124,8 +157,9 @@ def closed(connection: ClientConnection) -> tuple[int, str]:
         # 1006 where what was not yet sent meets a closed socket: TCP then drops the reason.
         (packed(PART | {"content": bytes(3_000_000)}), {1009, 1006}, ""),
         ("text", {1008}, "messages must be msgpack, not text"),
+        (packed({"type": "ViewerCameraMessage", **CAMERA, "position": (math.nan,) * 3}), {1008}, SOUND),
     ],
-    ids=["upload", "large", "text"],
+    ids=["upload", "large", "text", "no numbers"],
 )
 def test_the_socket_is_closed_with_the_reason_and_nothing_is_left(
     service: Service, client: httpx.Client, message: bytes | str, codes: set[int], reason: str

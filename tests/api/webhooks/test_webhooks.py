@@ -23,7 +23,7 @@ from pydantic import SecretStr
 
 from backend.db import queue
 from backend.db.engine import connect, now
-from backend.db.tables import Run, WebhookDelivery
+from backend.db.tables import Run, WebhookDelivery, WebhookTarget
 from backend.settings import Settings
 from backend.webhooks import dispatcher, outbox
 from backend.webhooks.addresses import is_public
@@ -256,6 +256,43 @@ def test_a_run_that_is_queued_again_while_messages_are_made_is_reported_at_its_e
         assert box.fill() == 0
     finish(stored)
     assert (box.fill(), box.fill()) == (1, 0)
+
+
+@pytest.mark.parametrize("restarted", [False, True])
+@BOTH
+def test_a_target_configured_before_the_clock_was_put_back_misses_no_run(stored: Any, restarted: bool) -> None:
+    for _ in range(2):
+        stored.submit()
+    finish(stored)
+    box = registered_box(stored)
+    with stored.engine.begin() as writer:
+        writer.execute(sa.update(Run).where(Run.id == 1).values(finished=now(writer) - 1000.0))
+        writer.execute(sa.update(WebhookTarget).values(since=now(writer) + 86_400.0))
+    if restarted:
+        box = registered_box(stored)
+    else:
+        assert box.fill() == 0
+    finish(stored)
+    assert box.fill() == 1
+    assert told(box.claim())["run"] == run_name(2)
+
+
+@BOTH
+def test_a_message_put_off_before_the_clock_was_put_back_is_due(stored: Any) -> None:
+    box = registered_box(stored)
+    stored.submit()
+    finish(stored)
+    assert box.fill() == 1
+
+    def put_off(seconds: float) -> None:
+        with stored.engine.begin() as writer:
+            writer.execute(sa.update(WebhookDelivery).values(not_before=now(writer) + seconds))
+
+    put_off(outbox.LONGEST - 1.0)
+    assert box.claim() is None
+    put_off(86_400.0)
+    assert box.claim() is not None
+    assert box.claim() is None
 
 
 @pytest.mark.by_day(1)

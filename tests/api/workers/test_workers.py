@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import socket
 import time
 from types import SimpleNamespace
 from typing import Any
@@ -11,20 +12,21 @@ import httpx
 import pytest
 import sqlalchemy as sa
 
-from backend.db import space, workers
+from backend.db import refusals, space, workers
 from backend.db.queue import Queue
 from backend.db.space import VARIABLE
-from backend.db.tables import Run, Worker
+from backend.db.tables import Run, RunRefusal, Worker
 from backend.db.workers import Doing
 from backend.events import hub
 from backend.events.hub import Roster
 from backend.events.watch import Watch
-from backend.runs.waiting import SOON, doing_of, no_worker
+from backend.runs.waiting import SOON, UNREPORTED, doing_of, no_worker
 from tests.given.event_streams import streaming
 from tests.given.finished_runs import Work
 from tests.given.openapi_document import conforms
 from tests.given.service import Service
 from tests.given.submissions import submit
+from tests.given.waiting_runs import OLD
 
 
 def asked(client: httpx.Client) -> dict[str, Any]:
@@ -69,6 +71,36 @@ def test_without_a_worker_the_last_one_is_known(service: Service, client: httpx.
     found = asked(client)
     assert found["items"] == []
     assert found["now"] - found["last_seen"] < 5, "an orderly stop is remembered too"
+
+
+def test_a_worker_killed_while_the_clock_was_ahead_is_not_alive(service: Service, client: httpx.Client) -> None:
+    """Its last heartbeat is ahead once the clock is put right."""
+    run, host = submit(client), socket.gethostname()
+    arrive(service, "w1")
+    with service.engine.begin() as connection:
+        workers.beat(connection, "w1", None, ("s@1",), OLD, age=1.0)
+        refusals.store(connection, 1, OLD, "other code")
+    for ahead, alive in ((1.0, True), (86_400.0, False)):
+        silent(service, "w1", -ahead)
+        with service.engine.connect() as reader:
+            assert (workers.live(reader), workers.alive(reader, host)) == (["w1"] if alive else [], alive)
+            assert (workers.compared(reader, None) is not None, workers.last_seen(reader) is not None) == (alive, alive)
+        assert asked(client)["alive"] == alive
+        assert f'clearance_workers{{state="alive"}} {int(alive)}\n' in client.get("/metrics").text
+        assert (listed(client, run)["waits"] == no_worker(None, 0.0)) == (not alive)
+    with service.engine.begin() as connection, pytest.raises(KeyError):
+        workers.drain(connection, "w1")
+
+
+@pytest.mark.parametrize(("ahead", "refused"), [(1.0, True), (86_400.0, False)])
+def test_a_refusal_of_a_clock_that_was_ahead_is_looked_at_again(
+    service: Service, client: httpx.Client, ahead: float, refused: bool
+) -> None:
+    submit(client)
+    with service.engine.begin() as connection:
+        refusals.store(connection, 1, OLD, "other code")
+        connection.execute(sa.update(RunRefusal).values(created=time.time() + ahead))
+    assert (Queue(service.engine).claim("w1", (), OLD) is None) == refused
 
 
 def test_every_worker_with_its_run_and_stage(service: Service, client: httpx.Client) -> None:
@@ -144,6 +176,26 @@ def test_a_queued_run_says_why_it_waits(service: Service, client: httpx.Client) 
     assert listed(client, third)["waits"] == no_worker(0.0, 30.0)
 
 
+def test_a_run_does_not_wait_for_a_worker_that_is_busy_with_itself(service: Service, client: httpx.Client) -> None:
+    """As after its worker was killed, until that counts as silent."""
+    first, second = submit(client), submit(client, seed=2)
+    arrive(service, "w1", run=1)
+    claim = Queue(service.engine).claim("w1")
+    assert claim is not None
+    Queue(service.engine).give_back(claim)
+    assert listed(client, first)["waits"] == UNREPORTED
+    assert listed(client, second)["waits"].startswith(f"The only worker is busy with {first}")
+    arrive(service, "w2", run=7)
+    assert listed(client, first)["waits"].startswith("The only worker is busy with R-0007; position 1 ")
+    workers_free(service, "w2")
+    assert listed(client, first)["waits"] == SOON
+
+
+def workers_free(service: Service, name: str) -> None:
+    with service.engine.begin() as connection:
+        workers.beat(connection, name, None)
+
+
 def test_workers_that_begin_no_run_are_not_waited_for_in_vain(service: Service, client: httpx.Client) -> None:
     """The run says which of its workers could take it, and what is to be done if none does."""
     run = submit(client)
@@ -185,8 +237,8 @@ def test_falling_silent_is_noticed_though_nothing_is_written(
     watch.look([])
     (before,) = watch.everything(None)
     seen._due = 0.0
-    monkeypatch.setattr("backend.workers.service.SEEN", -1.0)
-    monkeypatch.setattr("backend.runs.waiting.SEEN", -1.0)
+    monkeypatch.setattr("backend.workers.service.recent", lambda beat, at: False)
+    monkeypatch.setattr("backend.runs.waiting.beating", lambda at: sa.false())
     (event,) = seen.look()
     assert '"alive":0' in event.data
     (after,) = watch.look([], moved=True)

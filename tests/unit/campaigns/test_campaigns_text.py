@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 
 from campaigns import CampaignError, library, load_file, load_text
 from campaigns.asked.load import LARGEST_FILE, load_document
-from campaigns.asked.reading import parse
+from campaigns.asked.reading import TOO_LONG, parse
 from campaigns.asked.text import to_yaml
 from tests.given.case_campaigns import campaign, document
 from tests.simulators import package
@@ -29,7 +29,10 @@ TEXTS = {
     "!!python/object/apply:os.system [id]": "are not allowed",
     "a: [": "line 1, column 5: not readable as YAML",
     'a: "\\UFFFFFFFF"': "not readable as YAML",
-    "a: " + "9" * 5000: "not readable as YAML",
+    "a: " + "9" * 5000: f"line 1, column 4: not readable as YAML: {TOO_LONG}",
+    "a:\n  b: [1, -" + "9" * 5000 + "]": f"line 2, column 10: not readable as YAML: {TOO_LONG}",
+    "? " + "9" * 5000 + "\n: a": f"line 1, column 3: not readable as YAML: {TOO_LONG}",
+    '{"a": ' + "9" * 5000 + "}": f"not readable as JSON: {TOO_LONG}",
     "{" * 3000: "nested too deeply",
     '{"a":' * 100_000: "nested too deeply",
     "- " * 2000: "nested too deeply",

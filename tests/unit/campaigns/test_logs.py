@@ -67,6 +67,18 @@ def test_a_repeated_error_is_one_line_a_minute_with_its_number(log: Log) -> None
     assert line["message"].startswith("database away (100 times")
 
 
+def test_numbers_of_tasks_and_addresses_in_memory_make_no_other_message(log: Log) -> None:
+    text = "Task exception was never retrieved\nfuture: <Task finished name='Task-%d' coro=<seen() at 0x7f%x>>"
+    for number in range(2 * logs.MOST):
+        log.logger.error(text, number, 4096 + number)
+    [line] = log.lines()
+    assert line["message"] == text % (0, 4096)
+    log.now += logs.PERIOD
+    log.logger.error(text, 7, 7)
+    [line] = log.lines()
+    assert line["message"] == f"{text % (7, 7)} ({2 * logs.MOST} times since the last line)"
+
+
 def test_an_unknown_form_is_refused() -> None:
     with pytest.raises(ValueError, match="CLEARANCE_LOG"):
         logs.handler({"CLEARANCE_LOG": "xml"}, "")

@@ -8,7 +8,7 @@ from campaigns import Campaign, CampaignError
 from campaigns.asked.load import load_document
 from campaigns.identity.identity import differences, identity_of, is_read, simulator_of
 from campaigns.stored.records import Begun
-from campaigns.versions import OtherCode, differing
+from campaigns.versions import NOT_INSTALLED, OtherCode, differing
 from worker.running.catalogue.digests import digest_of
 from worker.running.runs import identity, provenance
 from worker.running.runs.replay import other_machine
@@ -46,7 +46,7 @@ def _others(begun: Begun, campaign: Campaign) -> list[str]:
     """What differs as far as it is known without opening the system; the rest is compared when the run is begun."""
     here = identity.code(campaign)
     if begun.versions.code and not here.digest:
-        return ["a component, method or stage of it is not installed here"]
+        return [f"a component, method or stage of it {NOT_INSTALLED}"]
     modules = differing(begun.modules, here.modules) if begun.modules else []
     name, then, now = simulator_of(campaign), begun.versions, identity.versions(campaign)
     if digest := digest_of(name) if is_read(then.simulator) and not then.command else "":

@@ -47,7 +47,7 @@ def distribution(of: Distributions, size: int = SIZE, excluded: bool = False) ->
     status[: size // 10 if excluded else 0] = EXCLUDED
     columns = cast(Columns, SimpleNamespace(points=points, costs=costs[:, None], status=status))
     campaign = SimpleNamespace(simulator=None)
-    problem: Any = SimpleNamespace(threshold=0.0, campaign=campaign, distributions=of)
+    problem: Any = SimpleNamespace(threshold=0.0, campaign=campaign, distributions=of, system=None)
     return Sample.of(columns, problem, 0.95, Noise()).distribution()
 
 

@@ -76,7 +76,7 @@ def test_numbers_of_tasks_and_addresses_in_memory_make_no_other_message(log: Log
     log.now += logs.PERIOD
     log.logger.error(text, 7, 7)
     [line] = log.lines()
-    assert line["message"] == f"{text % (7, 7)} ({2 * logs.MOST} times since the last line)"
+    assert line["message"].startswith(f"{text % (7, 7)} ({2 * logs.MOST} ")
 
 
 def test_an_unknown_form_is_refused() -> None:

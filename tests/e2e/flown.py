@@ -19,6 +19,7 @@ from backend.db.tables import Run, Worker
 from campaigns import library, load_file
 from tests.e2e.stored import opened
 from tests.faults.processes import CLEARANCE, started, until
+from tests.given.heartbeats import beating
 from tests.given.service import Service
 from tests.migrated import migrated
 from tests.simulators import dropped, package
@@ -152,9 +153,10 @@ def simulators(service: Service) -> list[Any]:
 
 @contextmanager
 def copied(flown: Flown, folder: Path) -> Iterator[Service]:
-    """A running service on a copy of the runs; the worker that is stored in it counts as live for an hour."""
+    """A running service on a copy of the runs; the worker that is stored in it stays alive."""
     data = shutil.copytree(flown.data, folder / "data")
     with opened(data) as service:
         with service.engine.begin() as connection:
-            connection.execute(sa.update(Worker).values(beat=time.time() + 3600.0, run_id=None))
-        yield service
+            connection.execute(sa.update(Worker).values(beat=time.time(), run_id=None))
+        with beating(service.engine):
+            yield service

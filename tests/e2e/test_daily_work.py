@@ -6,7 +6,6 @@ No run is executed: workers are rows of the database.
 from __future__ import annotations
 
 import re
-import time
 from collections.abc import Iterator
 from contextlib import suppress
 from pathlib import Path
@@ -19,11 +18,12 @@ from playwright.sync_api import Browser, Error, Locator, Route, expect
 
 from backend.db import workers
 from backend.db.queue import Queue
-from backend.db.tables import Run, Worker
+from backend.db.tables import Run
 from backend.runs.waiting import SOON, no_worker
 from tests.e2e.browser import Visit, visiting
 from tests.e2e.looking import within
 from tests.e2e.stored import served
+from tests.given.heartbeats import beating
 from tests.given.service import Service
 from tests.given.small_catalogue import campaign
 from tests.given.submissions import submit
@@ -36,11 +36,12 @@ PHONE = {"width": 390, "height": 844}
 
 @pytest.fixture(scope="module")
 def working(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Service]:
-    """A service without a worker."""
+    """A service without a worker; one that arrives stays alive for as long as a slow machine takes."""
     with served(tmp_path_factory.mktemp("work")) as service:
         with service.signed_in() as client:
             submit(client)
-        yield service
+        with beating(service.engine):
+            yield service
 
 
 @pytest.fixture(scope="module")
@@ -51,11 +52,9 @@ def visit(working: Service, browser: Browser) -> Iterator[Visit]:
 
 
 def beat(service: Service, run: int | None = None) -> None:
-    """A worker whose heartbeat stays fresh for as long as a slow machine takes."""
     with service.engine.begin() as connection:
         workers.arrive(connection, "w1")
         workers.beat(connection, "w1", run)
-        connection.execute(sa.update(Worker).values(beat=time.time() + 600.0))
 
 
 def box(part: Locator) -> dict[str, float]:

@@ -21,6 +21,7 @@ from backend.access import routes
 from backend.app import create
 from backend.db.access import create_login_code, create_token
 from backend.db.tables import Base, CatalogueDocument, Worker
+from backend.db.workers import SEEN
 from backend.settings import Settings
 from campaigns import Catalogue
 from tests.given.code_versions import CODE, parts
@@ -138,11 +139,12 @@ class Service:
             connection.execute(sa.insert(CatalogueDocument).values(**values))
 
     def compare(self, at: float = 4e9) -> None:
-        """Have a worker with the published simulators that compared its files with what is published at this time."""
+        """Have a worker with the published simulators that compared its files with what is published at this time; it
+        is alive for half a minute."""
         with self.engine.begin() as connection:
             document = connection.scalar(sa.select(CatalogueDocument.document))
             versions = [entry.version for entry in Catalogue.model_validate(document).simulators]
-            times = {"started": time.time(), "beat": 4e9, "compared": at}
+            times = {"started": time.time(), "beat": time.time() + SEEN / 2, "compared": at}
             connection.execute(sa.insert(Worker).values(name=f"w{at}", host="", pid=0, simulators=versions, **times))
 
     def login_code(self, lifetime: float = 60.0) -> str:

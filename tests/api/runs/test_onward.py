@@ -81,9 +81,9 @@ def test_a_run_whose_component_is_missing_waits_for_it_and_is_not_offered_to_be_
     run, differs = waiting(service, client), f"a component, method or stage of it {NOT_INSTALLED}"
     with service.engine.begin() as writer:
         refusals.store(writer, 1, HERE, differs)
-    stated = one(client, run)["waits"]
-    assert differs in stated
-    assert PUT_BACK_FILE in stated
+    waits = one(client, run)["waits"]
+    assert f": {differs}. {PUT_BACK_FILE}, " in waits
+    assert "begin it again" not in waits
 
 
 def test_a_run_that_another_kind_of_machine_began_waits_for_one(service: Service, client: httpx.Client) -> None:

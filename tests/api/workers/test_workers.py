@@ -184,9 +184,9 @@ def test_a_run_does_not_wait_for_a_worker_that_is_busy_with_itself(service: Serv
     assert claim is not None
     Queue(service.engine).give_back(claim)
     assert listed(client, first)["waits"] == UNREPORTED
-    assert f" busy with {first}" in listed(client, second)["waits"]
+    assert listed(client, second)["waits"].partition("; ")[0].endswith(f"busy with {first}")
     arrive(service, "w2", run=7)
-    assert " busy with R-0007; position 1 " in listed(client, first)["waits"]
+    assert listed(client, first)["waits"].partition(";")[0].endswith("busy with R-0007")
     workers_free(service, "w2")
     assert listed(client, first)["waits"] == SOON
 

@@ -24,6 +24,10 @@ class Log:
         self.logger.handlers, self.logger.propagate = [handler], False
         self.logger.setLevel(logging.INFO)
 
+    def times(self, number: int) -> str:
+        """What ends the line of a repeated message."""
+        return f"({number} times since the last line)"
+
     def lines(self) -> list[dict[str, str]]:
         """What was logged since the last call."""
         found = [json.loads(line) for line in self._stream.getvalue().splitlines()]
@@ -76,7 +80,7 @@ def test_numbers_of_tasks_and_addresses_in_memory_make_no_other_message(log: Log
     log.now += logs.PERIOD
     log.logger.error(text, 7, 7)
     [line] = log.lines()
-    assert line["message"].startswith(f"{text % (7, 7)} ({2 * logs.MOST} ")
+    assert line["message"] == f"{text % (7, 7)} {log.times(2 * logs.MOST)}"
 
 
 def test_an_unknown_form_is_refused() -> None:

@@ -85,8 +85,16 @@ const OWN: readonly Section[] = [
     id: 'separation',
     of: ({ flown }) => flown,
     title: 'Separation',
-    card: ({ data, cross, view, other, few, timed }) => (
-      <SeparationCard data={data} onCross={cross} standing={view} whatIf={other} className={few || timed ? layout.c7 : layout.c12} height={few ? 280 : 370} />
+    card: ({ data, cross, view, other, few, timed, validation }) => (
+      <SeparationCard
+        data={data}
+        onCross={cross}
+        standing={view}
+        mismeasured={!!validation?.encounter?.mismeasured}
+        whatIf={other}
+        className={few || timed ? layout.c7 : layout.c12}
+        height={few ? 280 : 370}
+      />
     ),
   }),
   section({

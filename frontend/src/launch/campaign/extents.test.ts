@@ -18,7 +18,8 @@ const CATALOGUE = {
       reach: { of: ['length', 'width'], times: 0.5 },
     }),
     component('obstacle', 'other', {}),
-    component('criterion', 'separation', { measured_to: 'centre' }),
+    component('criterion', 'separation', { measured_to: 'centre', unit: 'm' }),
+    component('criterion', 'separation_mm', { measured_to: 'centre', unit: 'mm' }),
     component('criterion', 'surface_separation', { measured_to: 'surface' }),
   ],
 } as Catalogue
@@ -42,9 +43,10 @@ it('counts the largest extent of an uncertain one', () => {
   expect(withinOf(campaign, CATALOGUE).get(0)).toBeCloseTo(0.6)
 })
 
-it('leaves alone what is stated, and what measures to surfaces', () => {
+it('leaves alone what is stated, and what measures to surfaces or in another unit', () => {
   expect(withinOf(campaignOf(0.1, [part('box')], { from_centre: true }), CATALOGUE).size).toBe(0)
   expect(withinOf(campaignOf(0.1, [part('box')], { component: 'surface_separation' }), CATALOGUE).size).toBe(0)
+  expect(withinOf(campaignOf(0.1, [part('box')], { component: 'separation_mm' }), CATALOGUE).size).toBe(0)
 })
 
 it('judges by surfaces once an obstacle reaches beyond the threshold', () => {

@@ -12,7 +12,7 @@ export function withinOf(campaign: Campaign, catalogue: Catalogue): Map<number, 
   const entry = criterionOf(campaign, catalogue)
   const threshold = numberOf(criterion.threshold)
   const found = new Map<number, number>()
-  if (entry?.measured_to !== 'centre' || criterion.from_centre || threshold === null) return found
+  if (entry?.measured_to !== 'centre' || entry.unit !== 'm' || criterion.from_centre || threshold === null) return found
   const known = new Map(parametersOf(campaign, catalogue).map((p) => [p.path, p.nominal]))
   const largest = (path: string): number => {
     const nominal = known.get(path) ?? null

@@ -57,17 +57,19 @@ interface SeparationProps {
   onCross: (time: number) => void
   /** The displayed time: position of the crosshair while no pointer is on a chart. */
   standing: Standing
+  /** The criterion does not compute the distance that its component declares. */
+  mismeasured?: boolean
   /** The result of the open what-if. */
   whatIf?: FlightAnswer | null
 }
 
-export function SeparationCard({ data, className, height, onCross, standing, whatIf = null }: SeparationProps) {
+export function SeparationCard({ data, className, height, onCross, standing, mismeasured = false, whatIf = null }: SeparationProps) {
   const { run } = data
   const [shown, setShown] = useShown(run.id)
   const [hidden, toggle] = useHidden()
   const { nominalTrace, findingTrace, chosen } = data
   const { threshold, unit } = run
-  const measured = run.criteria[0]?.measured_to ?? ''
+  const measured = (mismeasured ? undefined : run.criteria[0]?.measured_to) ?? ''
   const spec = useMemo(() => {
     const flown = [...flownOf({ nominalTrace, findingTrace, chosen, run }), ...whatIfOf(whatIf)]
     return specOf(flown, { threshold, unit, measured }, shown, height)

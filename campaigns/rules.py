@@ -254,9 +254,9 @@ RULES = (
     Rule(
         CheckCode.DISTANCES,
         "Distances",
-        "A criterion of obstacles states to which point of them it measures. No distance to the centre of an obstacle "
-        "hides a vehicle inside it, and every obstacle declares its extent, unless the campaign states that such a "
-        "distance is meant.",
+        "A criterion of obstacles states to which point of them it measures, and its value is that distance in m, or "
+        "that it measures none. No distance to the centre of an obstacle hides a vehicle inside it, and every obstacle "
+        "declares its extent, unless the campaign states that such a distance is meant.",
     ),
     Rule(
         CheckCode.NOISE,

@@ -57,11 +57,14 @@ def _seeded(seed: int) -> float:
     return float(np.random.default_rng(seed).normal(0.0, 0.5))
 
 
+SEARCHED = 2_500
+"""Calls of the searches and a few more; which later one is the two hundredth depends on how many validation makes."""
+
 ADVERSARIES: dict[str, Callable[[Call], float]] = {
     "none": lambda call: 0.0,
     "noise": lambda call: call.chance.normal(0.0, 0.3),
     "tiny noise": lambda call: call.chance.normal(0.0, 1e-13),
-    "now and then too low": lambda call: -9.5 if call.total % 200 == 0 else 0.0,
+    "now and then too low": lambda call: -9.5 if call.total % 200 == 0 and call.total <= SEARCHED else 0.0,
     "now and then a little low": lambda call: -2.0 if call.total % 150 == 0 else 0.0,
     "drift": lambda call: 1e-4 * call.total,
     "noise in one corner": lambda call: call.chance.normal(0.0, 0.3) if call.a > 0.9 else 0.0,

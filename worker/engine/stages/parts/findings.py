@@ -327,10 +327,12 @@ def _evidence(context: Context, position: int, found: Found, random: np.random.G
     for basin in found.basins:
         if found.of(basin).neighbours is None:
             yield from _neighbours(context, found, basin, random)
+    unseen = any(b.cost <= context.problem.threshold and found.of(b).after is None for b in found.basins)
+    earlier = stored(context, range(position)) if unseen else []
     for basin in found.basins:
         if found.of(basin).after is None:
-            seen = [*stored(context, range(position)), *found.evaluated]
-            found.of(basin).after = yield from after(context.problem, basin.point, basin.cost, seen)
+            every = [*earlier, *found.evaluated]
+            found.of(basin).after = yield from after(context.problem, basin.point, basin.cost, every)
 
 
 def _same(context: Context, found: Found, lower: Candidate) -> bool:
@@ -346,10 +348,8 @@ def _same(context: Context, found: Found, lower: Candidate) -> bool:
 
 def _lower(context: Context, position: int, found: Found, settled: bool = False) -> Candidate | None:
     """The lowest evaluation of the run if it is lower than the worst case; settled: this stage has ended."""
-    known = found.basins[0].cost if found.basins else np.inf
-    candidates = []
-    if found.seen.point is not None:
-        candidates.append(Candidate(found.seen.point, found.seen.cost, position))
+    known, seen = found.basins[0].cost if found.basins else np.inf, found.seen
+    candidates = [] if seen.point is None else [Candidate(seen.point, seen.cost, position)]
     for at, columns in seeds.stated(context, range(position + settled)):
         row = int(np.argmin(columns.ranked()))
         candidates.append(Candidate(columns.points[row].copy(), float(columns.ranked()[row]), at))

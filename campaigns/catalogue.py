@@ -134,8 +134,9 @@ class ComponentEntry(Entry):
     """The point of an obstacle to which a criterion measures distances; none if it measures none, empty if it is not
     one of obstacles or does not state it."""
     computed_by: Annotated[str, UNSTATED] = ""
-    """The digest of the operator's file that declares a criterion, and of those of the operator that it imports,
-    without comments and docstrings; omitted for other components, and in snapshots of earlier versions."""
+    """The digest of the file that declares a criterion of the operator's or of a package, and of those of the operator's
+    or of that package that it imports, without comments and docstrings; omitted for other components, and in snapshots
+    of earlier versions."""
     own_rule: Annotated[bool, UNSTATED] = False
     """Whether a criterion excludes flights at their start by a rule of its own; omitted if it excludes those that start
     at or below the threshold, and in snapshots of earlier versions."""

@@ -10,24 +10,47 @@ from numpy.typing import NDArray
 DISTINCT, FINEST, BINARY = 5, 9, 30
 """Different values that lie on a grid at least; the finest one, in decimals and in binary digits."""
 EPSILON = 2.0**-52
+PARTS, CERTAIN = 100, 1000
+"""Any other step is this part of the smallest gap at least, and so many times what is rounding."""
 
 
-def step(costs: NDArray[np.float64]) -> float:
-    """0 without one, of fewer than `DISTINCT` values, and of steps within their own rounding."""
+def step(costs: NDArray[np.float64], any_step: bool) -> float:
+    """0 without one, of fewer than `DISTINCT` values, and of steps within their own rounding.
+
+    any_step: whether steps other than decimal and binary ones count.
+    """
     values = np.unique(costs)
     if len(values) < DISTINCT:
         return 0.0
     above, size = values[1:] - values[0], float(max(abs(values[0]), abs(values[-1])))
+    return max(_usual(above, size), _part(np.diff(values), float(above[-1]), 4 * EPSILON * size) if any_step else 0.0)
+
+
+def _usual(above: NDArray[np.float64], size: float) -> float:
     for one in sorted(_steps(), reverse=True):
         if one <= 64 * EPSILON * size:
             return 0.0
-        rest = np.remainder(above[:100], one)
-        if (np.minimum(rest, one - rest) > 4 * EPSILON * size).any():
-            continue
-        rest = np.remainder(above, one)
-        if (np.minimum(rest, one - rest) <= 4 * EPSILON * size).all():
+        if all(_rest(some, one).max() <= 4 * EPSILON * size for some in (above[:100], above)):
             return one
     return 0.0
+
+
+def _part(gaps: NDArray[np.float64], span: float, least: float) -> float:
+    """The largest of the whole parts of the smallest gap that divides all of them; `least` is rounding."""
+    between = np.sort(gaps[gaps > least])
+    for part in range(1, PARTS + 1) if len(between) else ():
+        one = between[0] / part
+        if one < CERTAIN * least * (1 + between[-1] / one):
+            return 0.0
+        if all((_rest(some, one) <= least * (1 + some / one)).all() for some in (between[:100], between)):
+            return float(f"{span / round(span / one):.12g}")
+    return 0.0
+
+
+def _rest(lengths: NDArray[np.float64], one: float) -> NDArray[np.float64]:
+    """How far each is from a multiple."""
+    rest = np.remainder(lengths, one)
+    return np.minimum(rest, one - rest)
 
 
 def _steps() -> Iterator[float]:

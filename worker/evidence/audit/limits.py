@@ -55,9 +55,11 @@ MEASURED = 18
 """The version since which a criterion of obstacles must compute the distance that it declares, in m; since which a
 margin below the grid on which all values lie does not clear; since which the nearest violation on a line from nominal
 is that of all stored evaluations on it."""
+STEPPED = 19
+"""The version since which the step of the values may be any, such as a tenth of a foot in m."""
 RULES = max(
     BASINS, BASELINES, BESIDE, ROUNDED, TAILS, LOWEST, SHARED, CALLED, AFTER, VIOLATING, WHOLE, HALVED, WIDER, ALIKE,
-    MEASURED,
+    MEASURED, STEPPED,
 )  # fmt: skip
 """The version since which the rules are those of today."""
 POINTS, TIMES = 5, 3

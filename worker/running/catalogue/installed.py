@@ -229,17 +229,18 @@ def catalogue() -> Catalogue:
 
 
 def _entry(component: Component) -> ComponentEntry:
-    """A component as data, of the operator's own criteria with the digest of their code; shipped faults that read the
-    time and declare no switches do not jump."""
+    """A component as data, of criteria that are not shipped with the digest of their code; shipped faults that read
+    the time and declare no switches do not jump."""
     entry = component_entry(component, source_of(component))
     home = _HOMES.get(id(component), "")
     shipped = home.startswith("worker.engine.components.") and not home.startswith(f"{own.PACKAGE}.")
     if isinstance(component, Fault | Environment) and not shipped:
         return entry.model_copy(update={"unswitched": unswitched(component)})
-    if component.role != "criterion" or not home.startswith(f"{own.PACKAGE}."):
+    if component.role != "criterion" or shipped:
         return entry
     paths = {f"{own.PACKAGE}.{file.stem}": file for file in own.files()}
-    return entry.model_copy(update={"computed_by": own.code_of(home, paths)})
+    code = own.code_of(home, paths) if home.startswith(f"{own.PACKAGE}.") else own.code_of_package(home)
+    return entry.model_copy(update={"computed_by": code})
 
 
 def source_of(thing: Component | Method | Simulator | PythonFunction) -> ModuleType:

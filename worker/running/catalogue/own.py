@@ -15,10 +15,11 @@ import re
 import secrets
 import sys
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from importlib.metadata import entry_points
+from importlib.util import resolve_name
 from pathlib import Path
 from traceback import walk_tb
 from typing import Any, NamedTuple
@@ -309,7 +310,32 @@ def modules_of(module: str, paths: dict[str, Path]) -> list[str]:
 def code_of(module: str, paths: dict[str, Path]) -> str:
     """The digest of a module of this package and of those that it imports, without comments and docstrings; empty for
     a module of another one."""
-    texts = [_code(paths[name]) for name in modules_of(module, paths) if name in paths]
+    return _digest(paths[name] for name in modules_of(module, paths) if name in paths)
+
+
+def code_of_package(module: str) -> str:
+    """The digest of a module of another package and of those of that package that it imports, as `code_of`."""
+    files, waiting = dict[str, Path](), [module]
+    while waiting:
+        name = waiting.pop()
+        loaded = sys.modules.get(name)
+        file = str(getattr(loaded, "__file__", None))
+        if name in files or not file.endswith(".py") or name.partition(".")[0] != module.partition(".")[0]:
+            continue
+        files[name] = Path(file)
+        package = name if hasattr(loaded, "__path__") else name.rpartition(".")[0]
+        for node in ast.walk(_tree(files[name])):
+            if isinstance(node, ast.Import):
+                waiting += [alias.name for alias in node.names]
+            elif isinstance(node, ast.ImportFrom):
+                base = resolve_name("." * node.level + (node.module or ""), package) if node.level else str(node.module)
+                parts = [f"{base}.{alias.name}" for alias in node.names]
+                waiting += [part if part in sys.modules else base for part in parts]
+    return _digest(files[name] for name in sorted(files))
+
+
+def _digest(files: Iterable[Path]) -> str:
+    texts = [_code(file) for file in files]
     return hashlib.sha256("\0".join(texts).encode()).hexdigest() if texts else ""
 
 

@@ -65,7 +65,7 @@ def test_a_scenario_has_the_units_of_its_components() -> None:
     ("was", "is_", "refused"), [("a", "b", True), ("a", "a", False), ("", "b", False), ("a", "", False)]
 )
 def test_a_criterion_whose_code_has_changed_is_another_one(was: str, is_: str, refused: bool) -> None:
-    """Of an earlier version, or of a package, the code is not known."""
+    """Of an earlier version the code is not known."""
 
     def by(digest: str) -> Catalogue:
         entries = [

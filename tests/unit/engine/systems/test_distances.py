@@ -46,6 +46,14 @@ def total(lowest: Any, p: Any) -> float:
 
 
 @kernel
+def harmonic(lowest: Any, p: Any) -> float:
+    found = 0.0
+    for gap in lowest:
+        found = found + 1.0 / gap
+    return 1.0 / found
+
+
+@kernel
 def last(lowest: Any, p: Any) -> float:
     return lowest[len(lowest) - 1]  # type: ignore[no-any-return]
 
@@ -78,6 +86,7 @@ WRONG = {
     "farther than it is": own(SURFACE, farther),
     "by the speed": own(SURFACE, faster),
     "sum": own(SURFACE, value=total),
+    "harmonic sum": own(SURFACE, value=harmonic),
     "one obstacle": own(SURFACE, value=last),
 }
 RIGHT = {"centre": own(CENTRE), "surface": own(SURFACE), "none": own(SURFACE, value=total, measured_to="none")}

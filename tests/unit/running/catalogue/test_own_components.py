@@ -304,3 +304,33 @@ def test_the_code_of_a_criterion_is_known_with_what_it_imports(folder: Path) -> 
     helper.write_text("SHIFT = 0.5\n", encoding="utf-8")
     assert code() != before
     assert own.code_of("worker.engine.components.criteria.separation", paths) == ""
+
+
+def test_the_code_of_a_criterion_of_a_package_is_known_with_what_it_imports_of_it(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    home = tmp_path / "acme_gaps"
+    home.mkdir()
+    (home / "__init__.py").write_text("from acme_gaps import near, other\n", encoding="utf-8")
+    texts = {
+        "near": "from . import shift\nfrom acme_gaps.shift import SHIFT\nX = 1.0  # a comment\n",
+        "shift": "SHIFT = 0.0\n",
+        "other": "Y = 1.0\n",
+    }
+    monkeypatch.syspath_prepend(str(tmp_path))
+
+    def code(**changed: str) -> str:
+        for name, text in (texts | changed).items():
+            (home / f"{name}.py").write_text(text, encoding="utf-8")
+        importlib.invalidate_caches()
+        importlib.import_module("acme_gaps.near")
+        return own.code_of_package("acme_gaps.near")
+
+    before = code()
+    assert before
+    assert code(other="Y = 2.0\n") == before
+    assert code(near=texts["near"].replace("a comment", "another one")) == before
+    assert code(near=texts["near"].replace("1.0", "2.0")) != before
+    assert code(shift="SHIFT = 0.5\n") != before
+    for name in [name for name in sys.modules if name.partition(".")[0] == "acme_gaps"]:
+        monkeypatch.delitem(sys.modules, name)

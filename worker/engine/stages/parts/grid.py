@@ -5,6 +5,8 @@ Between two of its values nothing is known: a rounded value above the threshold 
 
 from __future__ import annotations
 
+from fractions import Fraction
+
 import numpy as np
 
 from worker.engine.systems.base import Floats
@@ -15,11 +17,14 @@ GRIDS = sorted({*(float(f"{m}e{k}") for k in range(-9, 4) for m in (1, 2, 2.5, 5
 """Decimal ones, and binary ones as of numbers in single precision."""
 PRECISION = 64 * float(np.finfo(float).eps)
 """Relative size of what is rounding of the values themselves."""
+PARTS, SURE, DIGITS = 100, 1000, 12
+"""Any other step is at least the smallest gap between two values divided by so many, and so many times what is rounding
+where it is compared; digits of it."""
 
 
 def grid(costs: Floats) -> float:
-    """The coarsest of `GRIDS` of which all differences of these values are multiples [criterion's unit]; 0 if there is
-    none, and of fewer than `DISTINCT` different values."""
+    """The coarsest step of which all differences of these values are multiples, such as a tenth of a foot [criterion's
+    unit]; 0 if there is none, and of fewer than `DISTINCT` different values."""
     known = np.unique(costs)
     if len(known) < DISTINCT:
         return 0.0
@@ -27,9 +32,26 @@ def grid(costs: Floats) -> float:
     fine = [g for g in GRIDS if g > PRECISION * size]
     for some in (known[:: -(-len(known) // 100)], known):  # a few first: values that are not rounded fit none
         fine = [g for g in fine if _on(some, g, size)]
-    return max(fine, default=0.0)
+    return max(_divided(known, PRECISION / 16 * size), *fine, 0.0)
 
 
 def _on(known: Floats, step: float, size: float) -> bool:
     steps = (known - known[0]) / step
     return bool((np.abs(steps - np.rint(steps)) <= PRECISION / 16 * size / step).all())
+
+
+def _divided(known: Floats, rounding: float) -> float:
+    """The smallest gap divided by the smallest number for which every gap is a multiple: each that is none shows, as a
+    fraction, a divisor of that number."""
+    gaps = np.diff(known)
+    gaps, parts = gaps[gaps > rounding], 1
+    while len(gaps) and parts <= PARTS:
+        step = float(gaps.min()) / parts
+        times = gaps / step
+        if step < SURE * rounding * (1.0 + times.max()):
+            return 0.0
+        off = np.flatnonzero(np.abs(times - np.rint(times)) * step > rounding * (1.0 + times))
+        if not len(off):
+            return float(f"{(known[-1] - known[0]) / np.rint((known[-1] - known[0]) / step):.{DIGITS}g}")
+        parts *= max(Fraction(float(times[off].min())).limit_denominator(PARTS).denominator, 2)
+    return 0.0

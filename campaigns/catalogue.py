@@ -134,7 +134,7 @@ class ComponentEntry(Entry):
     """The point of an obstacle to which a criterion measures distances; none if it measures none, empty if it is not
     one of obstacles or does not state it."""
     computed_by: Annotated[str, UNSTATED] = ""
-    """The digest of the file that declares a criterion of the operator's or of a package, and of those of the operator's
+    """The digest of the file that declares a criterion of the operator's or of a package, and of those of the operator
     or of that package that it imports, without comments and docstrings; omitted for other components, and in snapshots
     of earlier versions."""
     own_rule: Annotated[bool, UNSTATED] = False

@@ -12,6 +12,7 @@ from pydantic import AfterValidator, Field
 from campaigns.asked.reading import repeated
 from campaigns.asked.scenario import MAX_REALISATION
 from campaigns.asked.values import AS_NUMBER, AS_WHOLE, DISTINCT, Name, Number, Path, Strict
+from campaigns.documented import UNLESS_STATED
 from campaigns.limits import ROUNDING, ROUNDING_AT_LEAST, TOLERANCE_OF_MARGIN
 
 FailOn = Literal["violation", "new_violation", "new", "worse", "not_compared"]
@@ -55,12 +56,19 @@ class BaselineCase(Strict):
     """The largest difference between its integrations, or between its evaluations, in the criterion's unit."""
     realisation: Annotated[int, Field(ge=0, lt=MAX_REALISATION), AS_WHOLE] | None = None
     """The noise seed drawn for it; null if it simulated those of its campaign."""
+    called: Annotated[Number | None, UNLESS_STATED] = None
+    """The value of a violation that only independent calls of it showed; null for any other finding."""
+
+    @property
+    def stated(self) -> float:
+        """The value that its run states for it."""
+        return self.cost if self.called is None else self.called
 
     def rounding(self, threshold: float) -> float:
-        """The change of its cost that is rounding: by its own size and the threshold's, a tenth of its margin at most.
+        """The change of its value that is rounding: by its own size and the threshold's, a tenth of its margin at most.
 
         Never by the nominal cost, which may be a large value that stands for "no encounter"."""
-        size, margin = max(abs(self.cost), abs(threshold)), abs(self.cost - threshold)
+        size, margin = max(abs(self.stated), abs(threshold)), abs(self.stated - threshold)
         return max(min(ROUNDING * size, TOLERANCE_OF_MARGIN * margin), ROUNDING_AT_LEAST * size)
 
 

@@ -30,7 +30,7 @@ def with_baseline(
         "run": run,
         "digest": other.digest,
         "threshold": other.criterion.threshold,
-        "cases": [_case(finding) for finding in findings],
+        "cases": [_case(finding, other.criterion.threshold) for finding in findings],
     }
     document = {**campaign.document(), "baseline": baseline}
     try:
@@ -66,8 +66,9 @@ def _measured(criterion: Criterion) -> str:
     return (criterion.result or criterion.component) + (f" ({values})" if values else "")
 
 
-def _case(finding: Finding) -> dict[str, object]:
-    return {
+def _case(finding: Finding, threshold: float) -> dict[str, object]:
+    called = {"called": finding.granted} if finding.granted <= threshold < finding.cost else {}
+    return called | {
         "label": finding.label,
         "parameters": finding.parameters,
         "point": finding.point,

@@ -98,6 +98,7 @@ def test_the_audit_has_the_same_limits() -> None:
         "WIDER",
         "ALIKE",
         "MEASURED",
+        "GRANTED",
         "RULES",
         "SMALLEST",
         "POINTS",

@@ -26,7 +26,7 @@ class Calls:
     """
 
     def __init__(
-        self, record: Record, points: Any, costs: Any, status: Any, whole: bool, stepped: bool = False
+        self, record: Record, points: Any, costs: Any, status: Any, wording: int, whole: bool, stepped: bool = False
     ) -> None:  # fmt: skip
         self.campaign, self.claims, simulator = record.campaign, record.claims, record.campaign.simulator
         self.measures = simulator is not None and (whole or len(status) > 1)
@@ -36,7 +36,7 @@ class Calls:
         declared = stated is None or bool(stated["declared"])  # one that is absent is reported as such
         self.repeats = self.measured is None or (self.measured.identical and declared)
         self.noisy = self.measures and (self.number > 1 or not self.repeats)
-        self.stepped = stepped
+        self.stepped, self.wording = stepped, wording
 
     def case(self, recorded: Any, name: str = OMIT, cost: float = OMIT) -> Validation:
         """The validation of a case by independent calls, whose values are stored; name, cost: to be stated of it."""
@@ -101,8 +101,12 @@ class Calls:
 
     def _later(self) -> bool:
         spot = self.claims["results"][-1]["spot_checks"]
-        same = all(case["again"]["difference"] == 0.0 for case in self._cases())
+        same = all(case["again"]["difference"] == 0.0 or self._both_failed(case) for case in self._cases())
         return same and spot["compared"] == spot["checked"] and not spot["largest"]
+
+    def _both_failed(self, case: Any) -> bool:
+        """Whether a case has no value in either evaluation, which is no difference; before `GRANTED` it was one."""
+        return self.wording >= limits.GRANTED and case["cost"] is None and case["again"]["cost"] is None
 
 
 def _same(costs: Any, status: Any) -> bool:

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 DISTINCT, FINEST, BINARY = 5, 9, 30
 """Different values that lie on a grid at least; the finest one, in decimals and in binary digits."""
 EPSILON = 2.0**-52
-PARTS, CERTAIN = 100, 1000
+PARTS, CERTAIN = 100, 1024
 """Any other step is this part of the smallest gap at least, and so many times what is rounding."""
 
 

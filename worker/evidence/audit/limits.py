@@ -55,11 +55,13 @@ MEASURED = 18
 """The version since which a criterion of obstacles must compute the distance that it declares, in m; since which a
 margin below the grid on which all values lie does not clear; since which the nearest violation on a line from nominal
 is that of all stored evaluations on it."""
-STEPPED = 19
-"""The version since which the step of the values may be any, such as a tenth of a foot in m."""
+GRANTED = 19
+"""The version since which the step of the values may be any, such as a tenth of a foot in m; since which a finding that
+violates in independent calls alone violates in a comparison; since which a case without a value in either of two
+evaluations repeats."""
 RULES = max(
     BASINS, BASELINES, BESIDE, ROUNDED, TAILS, LOWEST, SHARED, CALLED, AFTER, VIOLATING, WHOLE, HALVED, WIDER, ALIKE,
-    MEASURED, STEPPED,
+    MEASURED, GRANTED,
 )  # fmt: skip
 """The version since which the rules are those of today."""
 POINTS, TIMES = 5, 3

@@ -137,12 +137,12 @@ class Run:
         self.lowest = min(self.costs.tolist(), default=math.nan)
         self.others = self.means()
         stepped = "half_step" in self.others and self.wording >= limits.HALVED
-        self.calls = Calls(record, *self.rows(0), whole=self.whole, stepped=stepped)
+        self.calls = Calls(record, *self.rows(0), self.wording, whole=self.whole, stepped=stepped)
         self.highest = max(self.costs.tolist(), default=math.nan)
         known = self.points[self.status == OK]
         self.one_point = len(known) > 0 and bool((known == known[0]).all())
         """Whether all evaluations with a cost are of one point."""
-        self.resolution = grids.step(self.costs, any_step=self.wording >= limits.STEPPED)
+        self.resolution = grids.step(self.costs, any_step=self.wording >= limits.GRANTED)
         self.varies = self.highest - self.lowest > self._rounding()
         self.findings = [self.finding(k) for k in range(len(self.claims["findings"]))]
         again = self._again()
@@ -150,7 +150,7 @@ class Run:
         violating = [k for k in violating if self.calls.noisy or (self.findings[k].margin <= 0.0 and again)]
         self.confirmed = bool(violating)
         known = "evaluated" in (self.claims.get("worst") or {})  # earlier versions stated the lowest evaluation
-        costs = {k: self._granted(self.findings[k]) for k in violating}
+        costs = {k: self.granted(self.findings[k]) for k in violating}
         self.stated = min(costs.values(), default=self.lowest) if known else self.lowest
         self.worst = min(costs, key=costs.__getitem__, default=None)
         """The position of the worst confirmed finding."""
@@ -183,7 +183,7 @@ class Run:
         counts = last.get("violations") or {}
         return not counts.get("checked") or counts.get("confirmed", 0) > 0
 
-    def _granted(self, finding: Finding) -> float:
+    def granted(self, finding: Finding) -> float:
         """The mildest value of a violation whose values differ beyond tolerance, else its own."""
         case, label = finding.validation, finding.label
         claim: Any = next((f["validation"] for f in self.claims["findings"] if f["label"] == label), None)
@@ -219,7 +219,7 @@ class Run:
         earlier = not self.sealed or self.wording < limits.SHARED
         if "granted" not in recorded and (earlier or "run" in self.claims):  # in a database it follows
             return found
-        granted = self._granted(found)
+        granted = self.granted(found)
         return found._replace(granted=granted, margin=granted - self.threshold)
 
     def case(self, recorded: Any, name: str, stated_cost: float) -> Validation:

@@ -229,10 +229,10 @@ def _case(run: Run, number: int) -> FindingChange:
     basin, stands = own.cost, True
     if own.now is not None or math.isfinite(basin):  # the lowest finding of the baseline represents a basin
         same = [o for o in baseline.cases if known[o.label].now == own.now and known[o.label].cost == basin]
-        stands = case.cost <= min(other.cost for other in same)
+        stands = case.stated <= min(other.stated for other in same)
     _, costs, status = run.rows(position(run))
     index = {one["label"]: one["index"] for one in run.claims["results"][position(run)]["cases"]}
-    before, k = case.cost, index[case.label] if _compares(run) else recorded["evaluation"]
+    before, k = case.stated, index[case.label] if _compares(run) else recorded["evaluation"]
     if k is None or status[k] != OK:
         return _row(run, "not compared", (before - limit, math.nan, math.nan), (k, None, case.parameters))
     again = float(costs[k])
@@ -241,7 +241,9 @@ def _case(run: Run, number: int) -> FindingChange:
     violated = before <= _thresholds(run)[0]
     new = lowest <= limit and not violated
     if violated and lowest > limit:
-        standing = "better" if basin <= limit or own.violates else "fixed" if own.examined else "unresolved"
+        repeating = (run.claims["results"][-1]["nominal"] or {}).get("repeats") is None
+        shown = own.examined and (case.called is None or own.now is not None or repeating)
+        standing = "better" if basin <= limit or own.violates else "fixed" if shown else "unresolved"
     else:
         allowed = max(tolerance, _apart(run, before, lowest))
         worse = new or again < before - tolerance or lowest < before - allowed
@@ -289,6 +291,8 @@ def _basin(run: Run, number: int) -> Basin:
     now = validated["since"][number]
     there = next((f for f in run.findings if f.label == now), None)
     listed, at = (math.inf, {}) if there is None else (there.cost, there.parameters)
+    if there is not None and run.wording >= limits.GRANTED:
+        listed = min(there.cost, run.granted(there))
     if not validated.get("basins"):
         return Basin(now, listed, violates=False, examined=not _has_basins(run), parameters=at)
     stored = validated["basins"][number]
@@ -318,7 +322,7 @@ def _tolerance(run: Run, case: BaselineCase, label: str | None) -> float:
     nominal = 0.0 if math.isnan(run.nominal) else run.nominal
     floor = limits.ROUNDING * max(abs(run.threshold), abs(nominal))
     if run.wording >= limits.WIDER:
-        floor = _rounding(run, case.cost)
+        floor = _rounding(run, case.stated)
     return float(max([case.difference, *apart, spread, run.campaign.regression.tolerance, floor]))
 
 

@@ -207,10 +207,10 @@ def _later(measured: Measured, problem: Problem, evidence: Evidence) -> tuple[bo
     compared = 0
     for name, validation in _cases(evidence):
         again = validation.again
-        if again is None or again.difference is None:
-            lost += [name]
-        else:
+        if again is not None and again.difference is not None:
             apart, compared = max(apart, abs(again.difference)), compared + 1
+        elif again is None or again.cost is not None or validation.cost is not None:  # both failed: it repeats
+            lost += [name]
     apart = max(apart, spot.largest or 0.0)
     if lost:
         without = say("evaluated again, not all of ", listed(lost), " have a value: the simulator does not repeat; ")

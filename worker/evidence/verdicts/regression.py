@@ -5,7 +5,8 @@ violation violates newly, and one that a lowered threshold makes none is not fix
 model by more than the tolerance, or if the search found a case in its basin that is lower than any finding of the
 baseline there: of that one the tolerance is larger, because two searches do not stop at the same point. A case that
 begins or ceases to violate has changed whatever the tolerance; it is fixed only if nothing known in its basin violates,
-listed as a finding or not, and unresolved if validation could not examine the basin.
+listed as a finding or not, and unresolved if validation could not examine the basin. Of a simulator that does not
+repeat, a violation is also one that only independent calls show.
 
 A violation of the baseline and a violating finding in its basin are two if a case on the line between them is clear:
 one basin has barriers of a fraction of nominal minus worst, which may be far above the threshold.
@@ -34,6 +35,7 @@ from worker.evidence.verdicts.evidence import Evidence
 
 IS = {Standing.SAME: "the same"}
 """A standing in the words of a sentence, where it is not the word itself."""
+CALLED = " in an independent call"
 NAMED = 3
 """Findings that the sentence names."""
 
@@ -56,8 +58,8 @@ def regression(problem: Problem, evidence: Evidence, checks: Sequence[Check]) ->
     # Of several findings of the baseline in one basin, the lowest one represents it.
     lowest: dict[object, float] = {}
     for case, _, basin in rows:
-        lowest[basin.key] = min(case.cost, lowest.get(basin.key, case.cost))
-    cases = [_known(problem, evidence, baseline, *row, row[0].cost <= lowest[row[2].key]) for row in rows]
+        lowest[basin.key] = min(case.stated, lowest.get(basin.key, case.stated))
+    cases = [_known(problem, evidence, baseline, *row, row[0].stated <= lowest[row[2].key]) for row in rows]
     apart = {basin.apart: case.label for case, _, basin in reversed(rows)}
     cases += [_new(problem, f, baseline.run, apart.get(f.label)) for f in evidence.findings if f.label not in same]
     strictest = max(baseline.threshold, problem.threshold) - problem.threshold
@@ -94,15 +96,20 @@ class _Basin:
 
     @property
     def cost(self) -> float:
-        """The lowest, infinite if not known."""
+        """The lowest, or what independent calls show; infinite if not known."""
         if self.finding is not None:
-            return self.finding.cost
+            return min(self.finding.cost, self.finding.granted)
         return math.inf if self.known is None or self.known.lowest is None else self.known.lowest
 
     @property
     def key(self) -> object:
         """A key that is equal for cases in one basin."""
         return self.finding.label if self.finding is not None else self.cost
+
+    @property
+    def called(self) -> bool:
+        """Whether only independent calls show its lowest."""
+        return self.finding is not None and self.cost < self.finding.cost
 
     @property
     def parameters(self) -> dict[str, float]:
@@ -126,7 +133,7 @@ def _known(
 ) -> FindingChange:  # fmt: skip
     """A finding of the baseline; stands: whether it is the baseline's lowest one in its basin."""
     run, threshold = baseline.run, problem.threshold
-    was, there = before.cost - threshold, basin.finding
+    was, there = before.stated - threshold, basin.finding
     if again.cost is None:
         statement = say(f"{before.label} of {run} is not compared: {again.reason}")
         return FindingChange(
@@ -136,11 +143,11 @@ def _known(
     tolerance = _tolerance(problem, evidence, before, there)
     lower = stands and basin.cost < again.cost
     cost = basin.cost if lower else again.cost
-    violated = before.cost <= min(baseline.threshold, threshold)
-    standing = _standing(problem, evidence, (before.cost, again.cost, cost), violated, tolerance)
+    violated = before.stated <= min(baseline.threshold, threshold)
+    standing = _standing(problem, evidence, (before.stated, again.cost, cost), violated, tolerance)
     if standing is Standing.FIXED and basin.violates(threshold):
         standing = Standing.BETTER
-    elif standing is Standing.FIXED and not basin.resolved:
+    elif standing is Standing.FIXED and (not basin.resolved or _uncalled(evidence, before, basin)):
         standing = Standing.UNRESOLVED
     return FindingChange(
         standing=standing,
@@ -151,11 +158,18 @@ def _known(
         margin_before=was,
         margin_again=again.cost - threshold,
         margin=cost - threshold,
-        change=cost - before.cost,
+        change=cost - before.stated,
         tolerance=tolerance,
         newly_violating=cost <= threshold and not violated,
         statement=_described(problem, run, before, again.cost, cost, standing, basin),
     )
+
+
+def _uncalled(evidence: Evidence, before: BaselineCase, basin: _Basin) -> bool:
+    """Whether only independent calls showed that it violates, and this run made none in its basin, though its simulator
+    does not repeat either."""
+    nominal = evidence.validation.nominal
+    return before.called is not None and basin.finding is None and nominal is not None and nominal.repeats is not None
 
 
 def _own(problem: Problem, evidence: Evidence, before: BaselineCase, again: Reevaluated, basin: _Basin) -> _Basin:
@@ -258,11 +272,12 @@ def _described(
     problem: Problem, run: str, before: BaselineCase, again: float, cost: float, standing: Standing, basin: _Basin,
 ) -> Spans:  # fmt: skip
     quantity, unit = symbol(problem.quantity), problem.unit
-    was, now = on_side(before.cost, problem.threshold, unit), on_side(again, problem.threshold, unit, "again")
+    was, now = on_side(before.stated, problem.threshold, unit), on_side(again, problem.threshold, unit, "again")
     is_ = f"{before.label} of {run} is {IS.get(standing, standing)}: "
-    statement = say(is_, quantity, " = ", now, " on this model, ", was, " there")
+    by = "" if before.called is None else CALLED
+    statement = say(is_, quantity, " = ", now, " on this model, ", was, " there", by)
     where = _where(problem, again, cost, standing, basin)
-    return say(statement, "; ", where, ", a change of ", signed(cost - before.cost, unit, "change"))
+    return say(statement, "; ", where, ", a change of ", signed(cost - before.stated, unit, "change"))
 
 
 def _where(problem: Problem, again: float, cost: float, standing: Standing, basin: _Basin) -> Spans:
@@ -273,7 +288,7 @@ def _where(problem: Problem, again: float, cost: float, standing: Standing, basi
         value = on_side(known.violation.cost, threshold, unit, "lowest")
         return say(f"there is no barrier between it and {at}, which violates with ", value)
     if standing is Standing.UNRESOLVED:
-        return say(_unexamined(known))
+        return say(_unexamined(known) if not basin.resolved else "this run made no independent calls in its basin")
     if basin.apart is not None and known is not None and known.line is not None:
         highest = known.line.highest
         between = say("a case between it and ", finding(basin.apart))
@@ -282,7 +297,7 @@ def _where(problem: Problem, again: float, cost: float, standing: Standing, basi
         lowest = on_side(basin.cost, threshold, unit, "lowest")
         if there is None:
             return say("its basin, which is not listed as a finding, has ", lowest)
-        return say(finding(there.label), " in its basin has ", lowest)
+        return say(finding(there.label), " in its basin has ", lowest, CALLED if basin.called else "")
     if there is not None:
         return say("it is in the basin of ", finding(there.label))
     return say("no finding of this run is in its basin")

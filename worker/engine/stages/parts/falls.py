@@ -62,7 +62,7 @@ def begun(context: Context) -> dict[int, Fall]:
     return {
         k: Fall(np.array(case.point), case.cost if case.realisation is None else None)
         for k, (case, before) in rows
-        if case.cost is not None and before.cost <= threshold < case.cost
+        if case.cost is not None and before.stated <= threshold < case.cost
     }
 
 

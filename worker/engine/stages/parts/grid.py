@@ -17,7 +17,7 @@ GRIDS = sorted({*(float(f"{m}e{k}") for k in range(-9, 4) for m in (1, 2, 2.5, 5
 """Decimal ones, and binary ones as of numbers in single precision."""
 PRECISION = 64 * float(np.finfo(float).eps)
 """Relative size of what is rounding of the values themselves."""
-PARTS, SURE, DIGITS = 100, 1000, 12
+PARTS, SURE, DIGITS = 100, 1024, 12
 """Any other step is at least the smallest gap between two values divided by so many, and so many times what is rounding
 where it is compared; digits of it."""
 

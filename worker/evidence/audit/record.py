@@ -25,8 +25,9 @@ from campaigns.results.base import EXCLUDED, FLAKY, OK
 from campaigns.runs import run_name
 from campaigns.stored.digest import Rows, evidence_digest
 from campaigns.unreadable import UNREADABLE
-from campaigns.versions import undigested
+from campaigns.versions import Versions, undigested
 from worker.evidence.audit import files
+from worker.evidence.audit.limits import GRANTED
 
 
 class Missing(str):
@@ -158,7 +159,8 @@ def _of_database(connection: sa.Connection, run_id: int) -> Record:
     if unknown := undigested(flown, begun=True):
         twice["begun"] = (MISSING, Missing(unknown))
     twice |= {f"versions.{k}": (provenance[k], v) for k, v in flown.items() if k in FIXED & provenance.keys()}
-    twice |= _launched(connection, rows, run_id, campaign)
+    written = Versions.of(flown or provenance).wording or 0
+    twice |= _launched(connection, rows, run_id, campaign, written)
     twice["run.summary.verdict"] = (run["summary"].get("verdict", MISSING), run["verdict"])
     for sampled in (result for result in results if result and result.get("drawn_at_launch") is not None):
         drawn = {"seed": sampled.get("seed"), "drawn_at_launch": sampled["drawn_at_launch"]}
@@ -181,7 +183,7 @@ def _of_database(connection: sa.Connection, run_id: int) -> Record:
 
 
 def _launched(
-    connection: sa.Connection, rows: Callable[..., list[Any]], run_id: int, campaign: Campaign
+    connection: sa.Connection, rows: Callable[..., list[Any]], run_id: int, campaign: Campaign, written: int
 ) -> dict[str, tuple[Any, Any]]:
     """The baseline of the campaign, and that of the run's launch, as its own run has it now."""
     baseline = campaign.baseline
@@ -195,13 +197,20 @@ def _launched(
     if other is None or not cases:
         return found | {"baseline.cases": (MISSING, Missing("its results were deleted since"))}
     names = ("label", "cost", "point", "parameters")
-    stated = sorted([getattr(case, name) for name in names] for case in baseline.cases)
-    stored = sorted([case[name] for name in names] for case in cases)
+    stated = sorted([*(getattr(case, name) for name in names), case.called] for case in baseline.cases)
+    stored = sorted([*(case[name] for name in names), _called(case, other["threshold"], written)] for case in cases)
     return found | {
         "baseline.digest": (baseline.digest, other["campaign_digest"]),
         "baseline.threshold": (baseline.threshold, other["threshold"]),
         "baseline.cases": (stated, stored),
     }
+
+
+def _called(finding: Any, threshold: float, written: int) -> float | None:
+    """The value of a violation that only independent calls show; before `GRANTED` a baseline did not have it."""
+    values = ((finding["validation"] or {}).get("repeats") or {}).get("values") or []
+    low = [value for value in values if value is not None and value <= threshold]
+    return max(low, default=None) if written >= GRANTED and finding["cost"] > threshold else None
 
 
 def _read(file: Path) -> Any:

@@ -17,6 +17,7 @@ from tests.audited import recorded
 from worker.engine.problem.problem import Problem
 from worker.engine.stages.parts import offered
 from worker.engine.systems.simulators.declared.function import Declaration, Output, Parameter, Settings
+from worker.evidence.audit import limits, record
 from worker.evidence.audit.judge import audit
 from worker.running.catalogue.files import PythonFunction
 from worker.running.catalogue.installed import catalogue
@@ -74,9 +75,9 @@ def ran(
     known = catalogue().model_copy(update={"simulators": [python.entry]})
     made = MemoryStore()
     execute(asked, made, threads=1, problem=Problem(asked, opened.simulated(asked, python, known)))
-    record = recorded(made, asked)
-    record.claims["components"] = snapshot(asked, known)
-    items = audit(record, beside(record), offered.AT_MOST, offered.SPOT_CHECKS)
+    own = recorded(made, asked)
+    own.claims["components"] = snapshot(asked, known)
+    items = audit(own, beside(own), offered.AT_MOST, offered.SPOT_CHECKS)
     assert not [item for item in items if item.agrees is False and item.name != "components"]
     return asked, made
 
@@ -91,6 +92,20 @@ def change(made: tuple[Campaign, MemoryStore]) -> tuple[Regression, FindingChang
 
 CALLED = (0.55, 0.44)
 """A finding of 0.55 of which independent calls have 0.44, at a threshold of 0.5."""
+
+
+@pytest.mark.parametrize(
+    ("gap", "expected"), [(called(*CALLED), 0.44), (called(0.55, 0.55), None), (repeating(0.47), None)]
+)
+def test_the_audit_finds_the_value_of_the_baseline_in_its_own_run(gap: Gap, expected: float | None) -> None:
+    campaign, store = ran(gap)
+    taken = with_baseline(campaign, "R-0001", campaign, store.findings).baseline
+    assert taken is not None
+    for case, finding in zip(taken.cases, store.findings, strict=True):
+        stored = finding.model_dump(mode="json")
+        assert case.called == record._called(stored, 0.5, limits.GRANTED)
+        assert record._called(stored, 0.5, limits.GRANTED - 1) is None
+    assert taken.cases[0].called == (expected and pytest.approx(expected, abs=1e-4))
 
 
 def test_a_known_violation_is_not_hidden_by_narrower_bounds() -> None:

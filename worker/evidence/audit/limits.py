@@ -56,7 +56,8 @@ MEASURED = 18
 margin below the grid on which all values lie does not clear; since which the nearest violation on a line from nominal
 is that of all stored evaluations on it."""
 STEPPED = 19
-"""The version since which the step of the values may be any, such as a tenth of a foot in m."""
+"""The version since which the step of the values may be any, such as a tenth of a foot in m; since which no fraction
+below 1 is written as 100 %."""
 RULES = max(
     BASINS, BASELINES, BESIDE, ROUNDED, TAILS, LOWEST, SHARED, CALLED, AFTER, VIOLATING, WHOLE, HALVED, WIDER, ALIKE,
     MEASURED, STEPPED,

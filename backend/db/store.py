@@ -342,6 +342,9 @@ class RunStore:
             )
         if ahead is not None:
             evaluations_ahead.store(connection, self._run, position, first + count, ahead)
+            early, index = lowest(ahead.columns)  # they count for the run, which may end before their turn comes
+            if index is not None:
+                lowered(connection, self._run, stage.kind, stage.method, early)
         if not count:
             return
         for chunk in chunks:

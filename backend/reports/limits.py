@@ -6,7 +6,8 @@ from backend.reports import words
 from backend.reports.charts import sample
 from backend.reports.record import Record
 from campaigns.checked.check import SEED, parts
-from campaigns.claims import numbers
+from campaigns.claims import numbers, spans
+from campaigns.claims.say import listed
 
 _ENDS = {
     "": "",
@@ -29,6 +30,28 @@ def conditions(record: Record) -> list[str]:
         )
         if text
     ]
+
+
+def validation(record: Record) -> str:
+    """What was validated, and what that does not show."""
+    if record.validated is None:
+        return "Nothing was validated."
+    if record.campaign.scenario is not None:
+        covers = "Validation covers the numerical integration (step halving, reference integrator)"
+        rest = "It does not compare the model with the vehicle."
+    else:
+        covers = "Validation repeats evaluations with the same simulator"
+        rest = "It does not show that the simulator computes correctly."
+    return f"{covers}{_around(record)}. {rest}"
+
+
+def _around(record: Record) -> str:
+    """Of which worst cases the neighbourhood was evaluated, a clause."""
+    without = [f.label for f in record.findings if f.validation is None or f.validation.neighbours is None]
+    if len(without) == len(record.findings):
+        return "; no neighbourhood of a worst case was evaluated"
+    but = f" but {spans.words(listed(without))}" if without else ""
+    return f", and the neighbourhood of each worst case{but} was evaluated"
 
 
 def _question_count(record: Record) -> str:
@@ -87,11 +110,15 @@ def _result(record: Record, simulator: str) -> str:
 def _horizon(record: Record) -> str:
     if record.campaign.scenario is None:
         return ""
-    horizon = numbers.plain(record.campaign.scenario.horizon)
-    return (
-        f"Every evaluation ends at the horizon of {horizon} s. What comes after it is examined for the nominal case, "
-        "the findings and the sample only, as section 9 states."
-    )
+    ends = f"Every evaluation ends at the horizon of {numbers.plain(record.campaign.scenario.horizon)} s."
+    shown = None if record.validated is None else record.validated.encounter
+    if shown is None or shown.beyond is None:
+        return f"{ends} What comes after it is not examined."
+    left = shown.beyond.not_continued
+    of = " of the nominal case, the findings and the sample only" if left is None else ""  # of an earlier version
+    rest = f"; at most {numbers.count(left)} further evaluations are not simulated on" if left else ""
+    flights = f"{numbers.count(shown.beyond.flights)} flight{'' if shown.beyond.flights == 1 else 's'}"
+    return f"{ends} What comes after it is examined for {flights}{of}, as section 9 states{rest}."
 
 
 def _excluded(record: Record) -> str:

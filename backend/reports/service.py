@@ -131,6 +131,7 @@ def _context(record: Record) -> dict[str, object]:
         "again": validation.again(record),
         "encounter": validation.encounter(record),
         "limits": limits.conditions(record),
+        "validated": limits.validation(record),
         "checks": [] if verdict is None else verdict.checks,
         "sample": charts.sample(record),
         "certificate": record.certificate,

@@ -47,6 +47,8 @@ ROUNDED = {
 MOST_DECIMALS = 20
 RARE = Decimal("1e-4")
 """Probabilities below it are written as powers of ten."""
+ALL = 1 - 1e-12
+"""A fraction from here on is read as all: the sum of shares may be 1 but for rounding."""
 
 
 def written(value: float, unit: str = "", form: Format = Format.PLAIN, digits: int = 6) -> str:
@@ -86,11 +88,13 @@ def digits_of(value: float, least: int = 6) -> int:
     return next((n for n in range(least, 17) if float(f"{value:.{n}g}") == value), 17)
 
 
-def digits_beside(value: float, threshold: float, least: int = 6) -> int:
+def digits_beside(value: float, threshold: float, least: int = 6, form: Format = Format.PLAIN) -> int:
     """The significant digits, at least so many, with which a value is read on its own side of a threshold."""
 
-    shown = (n for n in range(least, 17) if _side(float(f"{value:.{n}g}"), threshold) == _side(value, threshold))
-    return next(shown, 17)
+    def read(digits: int) -> float:
+        return float(rounded(value, form, digits) if form in ROUNDED else f"{value:.{digits}g}")
+
+    return next((n for n in range(least, 17) if _side(read(n), threshold) == _side(value, threshold)), 17)
 
 
 def decimals_beside(values: Iterable[float | None], threshold: float, least: int) -> int:
@@ -258,12 +262,15 @@ def _percent(value: float, digits: int) -> str:
     """Significant digits, and as many as tell less than all from all; a power of ten only from 10,000 on."""
     for more in range(digits, 18):
         text = f"{100 * value:.{more}g}"
-        if float(text) != 100 or value >= 1 - 1e-12:  # the sum of shares may be 1 but for rounding
+        if float(text) != 100 or value >= ALL:
             break
     return f"{float(text):.0f}" if abs(float(text)) < 10_000 and "e+" in text else text
 
 
 def _probability(value: float, form: Format, digits: int) -> str:
+    """Significant digits; no bound, also as many as tell less than all from all."""
+    if form is Format.PROBABILITY and abs(value) < ALL:
+        digits = digits_beside(abs(value), 1.0, digits, form)
     size = rounded(value, form, digits)
     if size == 0 or abs(size) >= RARE:
         return f"{_trimmed(f'{size.scaleb(2):f}')} %"

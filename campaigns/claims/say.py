@@ -71,6 +71,11 @@ def probability(fraction: float, digits: int = 3, name: str = "") -> Span:
     return _quantity(fraction, "", Format.PROBABILITY, digits, name)
 
 
+def probability_on_side(fraction: float, threshold: float, name: str = "") -> Span:
+    """A fraction with so many digits that it is read on its own side of a limit."""
+    return probability(fraction, numbers.digits_beside(fraction, threshold, 3, Format.PROBABILITY), name)
+
+
 def at_most(bound: float, digits: int = 3, name: str = "") -> Span:
     """An upper bound on a probability."""
     return _quantity(bound, "", Format.AT_MOST, digits, name)

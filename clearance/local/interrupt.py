@@ -10,6 +10,7 @@ import math
 import signal
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from itertools import chain
 from types import FrameType
 from typing import TYPE_CHECKING
 
@@ -54,9 +55,13 @@ class InterruptedRun(KeyboardInterrupt):
 
 
 def lowest(store: MemoryStore) -> float | None:
-    """The lowest value in it; None if there is none."""
-    chunks = [columns for chunks in store.chunks.values() for columns in chunks]
-    return min(filter(math.isfinite, (float(value) for columns in chunks for value in columns.ranked())), default=None)
+    """The lowest value in it, whether its evaluation is stored in order, waits for an earlier one or is only counted;
+    None if there is none."""
+    ahead = (waiting.columns for some in store.waiting.values() for waiting in some)
+    parts = [*chain.from_iterable(store.chunks.values()), *ahead]
+    counted = (block.lowest for block in chain.from_iterable(store.counted.values()) if block.lowest is not None)
+    values = chain((float(value) for columns in parts for value in columns.ranked()), counted)
+    return min(filter(math.isfinite, values), default=None)
 
 
 @contextmanager
@@ -78,10 +83,15 @@ def explained(store: MemoryStore, campaign: Campaign) -> Iterator[None]:
 
 
 def _completed(store: MemoryStore) -> int:
-    """How many evaluations it contains, also those that ended before an earlier one of their stage."""
-    columns = [store.evaluations(at) for at in range(len(store.stages))]
-    ahead = [store.ahead(at) for at in range(len(store.stages))]
-    return sum(len(c.status) for c in columns if c is not None) + sum(len(a.indices) for a in ahead if a is not None)
+    """How many evaluations it contains, also those that ended before an earlier one of their stage or are counted."""
+    return sum(_completed_at(store, at) for at in range(len(store.stages)))
+
+
+def _completed_at(store: MemoryStore, position: int) -> int:
+    if blocks := store.blocks(position):  # what is stored of such a stage is counted in them
+        return sum(block.draws for block in blocks)
+    columns, ahead = store.evaluations(position), store.ahead(position)
+    return (0 if columns is None else len(columns.status)) + (0 if ahead is None else len(ahead.indices))
 
 
 @contextmanager

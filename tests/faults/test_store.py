@@ -15,6 +15,7 @@ from backend.db import workers
 from backend.db.digest import current_digest
 from backend.db.engine import migration_lock
 from backend.db.migrate import config
+from backend.db.purge import violates
 from backend.db.queue import Claim, Queue, submit
 from backend.db.rows import plain
 from backend.db.store import RunStore
@@ -26,6 +27,7 @@ from campaigns.stored.records import Ahead, Columns, StagePlan, StageRecord
 from tests import results
 from tests.faults.cases import PLAN, campaign, columns, finding, trace
 from tests.given.stored_sizes import stored_size
+from tests.given.ways_to_store import WAYS
 from worker.engine.stages.parts.store import Store
 
 
@@ -94,6 +96,21 @@ def test_the_lowest_value_of_a_run_is_that_of_every_stage_that_asks_its_question
     assert lowest_of(0.8, 0) == (0.8, None)
     assert lowest_of(0.9, 1) == (0.8, None)
     assert lowest_of(0.7, kinds.index("validate")) == (0.7, None)
+
+
+@pytest.mark.parametrize("way", WAYS)
+def test_the_lowest_value_of_a_run_is_that_of_all_evaluations_however_they_are_stored(
+    store: RunStore, way: str
+) -> None:
+    """Such as one that ended before an earlier one of its stage, when the run is cancelled before that ends."""
+    store.begin(1)
+    WAYS[way](store, 1, [0.8, 0.3, 0.7])
+    [run] = rows(store, Run)
+    assert (run.worst_cost, run.worst_method) == (0.3, "direct")
+    for threshold in (0.3, 0.29):
+        with store.engine.begin() as connection:
+            connection.execute(sa.update(Run).values(threshold=threshold))
+            assert connection.scalars(sa.select(Run.id).where(violates())).all() == [1] * (threshold >= 0.3)
 
 
 def behind(whole: Columns, *indices: int) -> Ahead:

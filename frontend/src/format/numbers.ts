@@ -157,12 +157,15 @@ export function parse(text: string): number | null {
   return Number.isFinite(value) ? value : null
 }
 
+/** A fraction from here on is read as all: the sum of shares may be 1 but for rounding. */
+const ALL = 1 - 1e-12
+
 /** A fraction as percent. */
 export function percent(share: Maybe, digits = 3): string {
   if (!known(share)) return NONE
   let text = significant(100 * share, digits)
   // As many digits as tell less than all from all.
-  for (let more = digits + 1; share < 1 - 1e-12 && Number(text) === 100 && more < 18; more++) text = significant(100 * share, more)
+  for (let more = digits + 1; share < ALL && Number(text) === 100 && more < 18; more++) text = significant(100 * share, more)
   const size = Number(text.replace(MINUS, '-'))
   if (text.includes('e+') && Math.abs(size) < 10_000) text = String(size).replace('-', MINUS)
   return `${text}${NARROW}%`
@@ -171,7 +174,10 @@ export function percent(share: Maybe, digits = 3): string {
 /** How a probability is rounded: to the nearest, up as an upper bound, down as a lower one. */
 type Rounded = 'probability' | 'at_most' | 'at_least'
 
-/** A probability: as percent, below 0.01 % as a power of ten. Rounded once, by the digits of the shortest decimal number that is it. */
+/**
+ * A probability: as percent, below 0.01 % as a power of ten. Rounded once, by the digits of the shortest decimal number that is
+ * it; no bound, with as many digits as tell less than all from all.
+ */
 export function probability(value: Maybe, digits = 3, rounded: Rounded = 'probability'): string {
   if (!known(value)) return NONE
   if (value === 0) return `0${NARROW}%`
@@ -182,6 +188,7 @@ export function probability(value: Maybe, digits = 3, rounded: Rounded = 'probab
   const away = rounded === 'probability' ? rest > '5' || (rest === '5' && odd) : rest !== '' && (rounded === 'at_most') === value > 0
   const kept = String(BigInt(all.slice(0, digits)) + (away ? 1n : 0n))
   const power = Number(exponent) + (kept.length > Math.min(all.length, digits) ? 1 : 0)
+  if (rounded === 'probability' && exponent === '-1' && power === 0 && Math.abs(value) < ALL) return probability(value, digits + 1)
   const minus = value < 0 ? MINUS : ''
   if (power >= -4) return `${minus}${trimmed(positioned(kept, power + 2))}${NARROW}%`
   return `${minus}${kept[0]}.${kept.slice(1).replace(/0+$/, '') || '0'}e${MINUS}${-power}`

@@ -11,6 +11,8 @@ from xml.etree import ElementTree as Xml
 import pytest
 import sqlalchemy as sa
 
+from backend.db.queue import Queue
+from backend.db.store import RunStore
 from backend.db.tables import Run
 from backend.webhooks.body import ended
 from campaigns.claims.lowest_value import unconfirmed
@@ -19,10 +21,11 @@ from campaigns.claims.say import say
 from campaigns.claims.spans import words
 from campaigns.results.regression import FindingChange, Regression, Standing
 from clearance.cli import INTERNAL, VIOLATED
-from tests.given.reported_runs import PARAMETERS, finish_fully
+from tests.given.reported_runs import PARAMETERS, PLAN, finish_fully
 from tests.given.service import Service
 from tests.given.small_catalogue import campaign
 from tests.given.submissions import submit
+from tests.given.ways_to_store import WAYS
 
 Command = Callable[..., int]
 FILES = ("junit", "summary", "sarif")
@@ -70,14 +73,26 @@ def test_what_the_policy_decides_is_stated_by_every_command(
 
 
 @pytest.mark.parametrize("state", ["cancelled", "failed"])
-@pytest.mark.parametrize("lowest", [0.2, 0.5, 0.4999999999, 0.6], ids=["below", "at", "just below", "above"])
+@pytest.mark.parametrize(
+    ("lowest", "way"),
+    [(0.2, "ahead"), (0.5, "counted"), (0.4999999999, "in order"), (0.6, "ahead")],
+    ids=["below", "at", "just below", "above"],
+)
 def test_a_value_at_or_below_the_threshold_is_stated_wherever_the_run_without_verdict_is(
-    service: Service, command: Command, tmp_path: Path, capsys: pytest.CaptureFixture[str], state: str, lowest: float
-) -> None:
+    service: Service, command: Command, tmp_path: Path, capsys: pytest.CaptureFixture[str], state: str, lowest: float,
+    way: str,
+) -> None:  # fmt: skip
+    """In whichever way its evaluation was stored when the run ended."""
     with service.signed_in() as client:
         run = submit(client, criterion=campaign()["criterion"] | {"requirements": ["SYS-1"]})
+        claim = Queue(service.engine).claim("w")
+        assert claim is not None
+        store = RunStore(service.engine, claim)
+        store.plan(PLAN)
+        store.begin(2)
+        WAYS[way](store, 2, [0.9, lowest])
         with service.engine.begin() as writer:
-            writer.execute(sa.update(Run).values(state=state, error="It ended.", worst_cost=lowest, finished=1.0))
+            writer.execute(sa.update(Run).values(state=state, error="It ended.", finished=1.0))
         texts = places(command, tmp_path, capsys, 130 if state == "cancelled" else INTERNAL)
         stated = words(unconfirmed(state, lowest, 0.5, "m"))
         assert (stated == "") == (lowest > 0.5)

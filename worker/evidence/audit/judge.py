@@ -120,7 +120,7 @@ def _worded(run: Run, known: Known) -> Iterator[Item]:
         for path, (stored, made) in known.sentences.items():
             yield Item(f"words.{path}", *shown(stored, made))
     yield from (Item(f"words.checks.{path}.shown", *pair) for path, pair in known.titles.items())
-    for path, stated, spans in unlike({k: v for k, v in run.claims.items() if isinstance(v, dict | list)}):
+    for path, stated, spans in unlike({k: v for k, v in run.claims.items() if isinstance(v, dict | list)}, run.written):
         yield Item(f"words.{path}", stated, spans)
     yield Item("components", [], known.components)
     if not run.reworded:

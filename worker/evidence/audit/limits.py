@@ -58,7 +58,7 @@ is that of all stored evaluations on it."""
 GRANTED = 19
 """The version since which the step of the values may be any, such as a tenth of a foot in m; since which a finding that
 violates in independent calls alone violates in a comparison; since which a case without a value in either of two
-evaluations repeats."""
+evaluations repeats; since which no fraction below 1 is written as 100 %."""
 RULES = max(
     BASINS, BASELINES, BESIDE, ROUNDED, TAILS, LOWEST, SHARED, CALLED, AFTER, VIOLATING, WHOLE, HALVED, WIDER, ALIKE,
     MEASURED, GRANTED,

@@ -12,11 +12,13 @@ from typing import Any
 
 from pydantic import TypeAdapter, ValidationError
 
+from campaigns.claims.numbers import Format, rounded
 from campaigns.claims.say import count, say
 from campaigns.claims.spans import Quantity, Span, Spans, values, words
 from campaigns.claims.stages import ends
 from campaigns.claims.stages import sample as templates
 from campaigns.results.sample import Sample
+from worker.evidence.audit import limits
 from worker.evidence.audit.parts import changed
 from worker.evidence.audit.recompute import Run
 from worker.evidence.audit.record import Missing
@@ -87,12 +89,27 @@ def of_certified(run: Run, k: int, sample: Sample) -> Spans | None:
     return templates.certified(sample.statement, quantile.statement, size, certify.samples) or sample.statement
 
 
-def unlike(document: Any, path: str = "") -> Iterator[tuple[str, str, str]]:
+def worded(stated: object, statement: Spans, version: int) -> str:
+    """The words of spans, as the version of the sentences that stated them wrote them: earlier ones could write a
+    fraction below 1 as 100 %."""
+    before = words(tuple(map(_as_all, statement)))
+    return before if version < limits.GRANTED and stated == before else words(statement)
+
+
+def _as_all(span: Span) -> Span:
+    """A fraction that its digits alone do not tell from 1 as 1."""
+    if not isinstance(span, Quantity) or span.format is not Format.PROBABILITY:
+        return span
+    near = abs(rounded(span.value, span.format, span.digits)) == 1
+    return span.model_copy(update={"value": math.copysign(1.0, span.value)}) if near else span
+
+
+def unlike(document: Any, version: int, path: str = "") -> Iterator[tuple[str, str, str]]:
     """Every text in a result that is not the words of its own spans, and every number that is not theirs: path, the
-    text as written and as the spans have it."""
+    text as written and as the spans have it. version: that of the sentences."""
     for key, value in document.items() if isinstance(document, dict) else enumerate(document):
         if isinstance(value, dict | list):
-            yield from unlike(value, f"{path}.{key}".lstrip("."))
+            yield from unlike(value, version, f"{path}.{key}".lstrip("."))
     if not isinstance(document, dict) or not isinstance(document.get("statement"), list | tuple):
         return
     try:
@@ -100,7 +117,7 @@ def unlike(document: Any, path: str = "") -> Iterator[tuple[str, str, str]]:
     except ValidationError:
         yield f"{path}.statement", "spans", "none that can be read"
         return
-    if isinstance(text := document.get("text"), str) and text != words(spans):
+    if isinstance(text := document.get("text"), str) and text != worded(text, spans, version):
         yield f"{path}.text", text, words(spans)
     if isinstance(named := document.get("values"), dict) and "sentence" not in document and named != values(spans):
         yield f"{path}.values", str(named), str(values(spans))

@@ -6,11 +6,11 @@ from typing import Any
 
 from campaigns.claims import earlier
 from campaigns.claims.numbers import Format, count
-from campaigns.claims.say import listed
+from campaigns.claims.say import listed, say
 from campaigns.claims.spans import Quantity, values, words
 from campaigns.results.verdict import SCOPE
 from worker.evidence.audit.recompute import Run
-from worker.evidence.audit.sentences import SPANS
+from worker.evidence.audit.sentences import SPANS, worded
 
 OPENINGS = {"cleared": "stayed above", "violated": "falls to or below"}
 """Words in the first sentence of these verdicts; any other says that nothing may be claimed."""
@@ -23,7 +23,10 @@ def compared_sentence(run: Run) -> dict[str, tuple[object, object]]:
     """
     claims, exact, spent = run.claims, "statement" in run.claims, dict[str, int]()
     statement = SPANS.validate_python(claims["statement"]) if exact else earlier.verdict(claims["reason"])
-    text, scope = words(statement), words(SPANS.validate_python(claims["holds_for"] if exact else ()))
+    text, scope = (
+        worded(claims.get("sentence"), statement, run.written),
+        words(SPANS.validate_python(claims["holds_for"] if exact else ())),
+    )
     spans = {span.name: span for span in statement if isinstance(span, Quantity)}
     numbers, begun = _numbers(run), text.partition(".")[0]
     for k in run.searches:
@@ -40,7 +43,8 @@ def compared_sentence(run: Run) -> dict[str, tuple[object, object]]:
         return upward if upward == words((spans[name],)) else words((span,))
 
     pairs: dict[str, tuple[object, object]] = {"opening": (opening if opening in begun else begun, opening)}
-    pairs["words"] = (claims["reason"], f"{text} {SCOPE}{scope}" if scope else text)
+    whole = say(statement, f" {SCOPE}{scope}" if scope else "")
+    pairs["words"] = (claims["reason"], worded(claims["reason"], whole, run.written))
     if run.sealed:
         pairs["sentence"] = (claims.get("sentence"), text)
         pairs["scope"] = (claims.get("scope"), f"{SCOPE}{scope}" if scope else "")
@@ -49,7 +53,11 @@ def compared_sentence(run: Run) -> dict[str, tuple[object, object]]:
         for name, value in numbers.items():
             pairs[name] = (written(name, spans[name].value if name in spans else None), written(name, value))
         pairs["methods"] = (text.partition("searched by ")[2][: len(methods)], methods)
-    checks = {c["name"]: words(SPANS.validate_python(c["statement"])) for c in claims["checks"] if "statement" in c}
+    checks = {
+        c["name"]: worded(c["text"], SPANS.validate_python(c["statement"]), run.written)
+        for c in claims["checks"]
+        if "statement" in c
+    }
     return pairs | {"checks": ({c["name"]: c["text"] for c in claims["checks"]}, checks)}
 
 

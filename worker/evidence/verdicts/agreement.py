@@ -34,8 +34,10 @@ from worker.evidence.verdicts.evidence import Evidence, check
 def agreement(problem: Problem, evidence: Evidence) -> Check:
     """Whether every global method found the worst case known from any source, and two families of methods found it."""
     known, nominal, unit = evidence.finding, evidence.nominal.cost, problem.unit
-    if known is None or nominal is None:
+    if known is None:
         return _check(False, "there is no worst case to agree on")
+    if nominal is None:
+        return _check(False, "the nominal case has no value, and without it the agreement has no scale")
     aiming = [s for s in evidence.searches if rules.FAMILIES[s.kind].least is not None]
     globally = [s for s in aiming if rules.FAMILIES[s.kind].all_agree]
     if not globally:

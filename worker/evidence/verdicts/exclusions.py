@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from campaigns import rules
-from campaigns.claims.say import count, joined, percent, probability, say
+from campaigns.claims.say import count, joined, percent, probability_on_side, say
 from campaigns.claims.spans import Spans
 from campaigns.codes import CheckCode
 from campaigns.results.verdict import Check
@@ -27,7 +27,7 @@ def exclusions(problem: Problem, evidence: Evidence) -> list[Check]:
     by = say(" were excluded", why) if why else " start at or below the threshold and were excluded"
     if terms(problem.system).own_rule:
         by = " were excluded by the criterion's own rule"
-    statement = say(probability(much, name="excluded"), f" of the {of}", by, ": nothing is known about them")
+    statement = say(probability_on_side(much, most, "excluded"), f" of the {of}", by, ": nothing is known about them")
     if much > most:
         statement = say(statement, "; narrow the bounds until at most ", percent(most, 6, "most"), " are excluded")
     return [check(CheckCode.EXCLUSIONS, much <= most, statement)]

@@ -17,6 +17,8 @@ from hypothesis import strategies as st
 
 from campaigns.claims import numbers
 from campaigns.claims.numbers import Format
+from campaigns.claims.say import probability_on_side
+from campaigns.claims.spans import words
 
 ROOT = Path(__file__).parents[4]
 CASES: dict[str, list[list[Any]]] = json.loads((ROOT / "frontend/tests/numbers.json").read_text(encoding="utf-8"))
@@ -136,6 +138,22 @@ def test_a_lower_bound_is_never_written_above_itself(value: float, digits: int) 
     exact = Fraction(repr(value))
     assert read <= exact
     assert exact - read <= abs(exact) * 10 / Fraction(10) ** digits
+
+
+@given(value=SHARES, digits=st.integers(1, 12))
+def test_less_than_all_is_never_written_as_all_and_more_than_none_never_as_none(value: float, digits: int) -> None:
+    text = numbers.written(value, form=Format.PROBABILITY, digits=digits)
+    assert (text == "100 %") <= (value >= 1 - 1e-12)
+    assert (text == "0 %") == (value == 0)
+
+
+@given(value=st.floats(0, 1), limit=st.sampled_from([0.05, 0.1, 0.25]), near=st.integers(2, 16))
+def test_a_fraction_is_read_on_its_own_side_of_its_limit(value: float, limit: float, near: int) -> None:
+    for fraction in (value, limit, limit * (1 + 10.0**-near), limit * (1 - 10.0**-near)):
+        text = words((probability_on_side(fraction, limit),))
+        number, *percents = text.split()
+        read = Fraction(number) / (100 if percents else 1)
+        assert (read > Fraction(repr(limit))) == (fraction > limit), text
 
 
 @given(value=SHARES, digits=st.integers(1, 12))

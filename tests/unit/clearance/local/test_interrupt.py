@@ -8,7 +8,12 @@ import weakref
 
 import pytest
 
+from campaigns import Campaign
+from campaigns.stored.records import StagePlan
 from clearance.local import interrupt
+from tests.given.small_catalogue import campaign
+from tests.given.ways_to_store import WAYS
+from worker.running.runs.store import MemoryStore
 
 
 class Thing:
@@ -38,3 +43,21 @@ def test_an_interrupt_elsewhere_comes_at_once(number: signal.Signals) -> None:
         with pytest.raises(KeyboardInterrupt):
             signal.raise_signal(number)
     assert signal.getsignal(signal.SIGTERM) is before
+
+
+@pytest.mark.parametrize("way", WAYS)
+def test_an_interrupted_run_tells_of_all_that_it_evaluated(way: str) -> None:
+    """Its number of evaluations and the lowest value, in whichever way they are stored."""
+    store = MemoryStore()
+    store.plan([StagePlan("nominal", None, 1), StagePlan("search", "direct", 10)])
+    WAYS["in order"](store, 0, [0.9])
+
+    def run() -> None:
+        with interrupt.explained(store, Campaign.model_validate(campaign())):
+            WAYS[way](store, 1, [0.8, 0.3, 0.7])
+            raise KeyboardInterrupt
+
+    with pytest.raises(interrupt.InterruptedRun) as told:
+        run()
+    assert told.value.lowest == interrupt.lowest(store) == 0.3
+    assert str(told.value).split()[0] == "3"

@@ -177,6 +177,9 @@ def test_a_failed_nominal_flight() -> None:
     assert check_of("nominal", conclusion).text.endswith(f": {diverged}")
     assert check_of("nominal", conclusion).text in conclusion.reason
     assert conclusion.nominal == NominalCost(cost=None, margin=None)
+    agreement = check_of("agreement", conclusion)
+    assert not agreement.ok
+    assert "nominal" in agreement.text, "there is a worst case"
 
 
 def test_a_nominal_flight_that_violates_unconfirmed() -> None:

@@ -414,6 +414,8 @@ def test_much_that_is_excluded_bars_cleared() -> None:
     sampled = barred("exclusions", certificate=drawn(excluded_fraction=0.9), excluded=300)
     assert facts(sampled.statement)[0] == 0.9
     assert round(float(facts(barred("exclusions", excluded=400).statement)[0]), 2) == 0.12
+    near = barred("exclusions", certificate=drawn(excluded_fraction=0.10004), excluded=300)
+    assert near.text.startswith("10.004 %"), "not as the limit that it exceeds"
 
 
 def test_a_violation_is_confirmed_by_every_integration_and_by_nothing_less() -> None:

@@ -14,6 +14,7 @@ from typing import Any
 import clearance
 from campaigns import Campaign, library, load_file
 from campaigns.asked.load import load_document
+from campaigns.sample_seed import SampleSeed
 from campaigns.stages.plan import most
 from tests.faults.processes import REPOSITORY
 from tests.given.made_evaluations import flights, requests
@@ -42,14 +43,14 @@ def shipped(name: str) -> Row:
 
 
 def program(name: str) -> tuple[Row, MemoryStore]:
-    """An example of docs/examples, with its campaign, and its results."""
+    """An example of docs/examples, with its campaign, and its results; the seed of its sample is that of the guide."""
     if (build := EXAMPLES / name / "build.sh").exists():
         subprocess.run(["bash", str(build)], cwd=build.parent, check=True, capture_output=True)
     simulator = read(EXAMPLES / name)
     asked = load_file(EXAMPLES / "campaigns" / f"{name}.yaml")
     known = catalogue().model_copy(update={"simulators": [simulator.entry]})
     system: Any = opened.simulated(asked, simulator, known)
-    store = MemoryStore()
+    store = MemoryStore(sample_seed=SampleSeed(1))
     with requests(system) as made:
         execute(asked, store, problem=Problem(asked, system))
     return (_searches(asked), most(asked), made[0]), store

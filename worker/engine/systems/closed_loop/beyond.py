@@ -233,11 +233,12 @@ class _End(NamedTuple):
         return Approach(value if known else self.ahead.declared(self.obstacle), self.obstacle, self.since, known)
 
     def legs(self, lasts: float) -> tuple[Leg, Leg, Leg]:
-        """Those of a vehicle that stops, and of one that goes on and then stops; lasts: how long they are followed."""
+        """Those of a vehicle that stops, and of one that goes on for a horizon and then stops; lasts: how long they are
+        followed, at least a horizon."""
         place, still = self.seen.positions[1], np.zeros(3)
-        going = Leg(0.0, min(self.horizon, lasts), place, self.own)
         there = place + self.horizon * self.own
-        return Leg(0.0, lasts, place, still), going, Leg(self.horizon, max(0.0, lasts - self.horizon), there, still)
+        going, ends = Leg(0.0, self.horizon, place, self.own), Leg(self.horizon, lasts - self.horizon, there, still)
+        return Leg(0.0, lasts, place, still), going, ends
 
     def straight(self, closing: bool) -> Iterator[Approach]:
         """The approach of an obstacle at rest, of one that moves straight on, and of one with states as if it did."""
@@ -279,8 +280,9 @@ class _End(NamedTuple):
 
     def _bounded(self, onward: Onward, path: Path, below: float, extent: float) -> Iterator[Approach]:
         """The approaches by the distances to a centre, which have a bound within every interval of its path."""
-        for own, lasts in ((np.zeros(3), 0.0), (self.own, self.horizon)):
-            nearest, after = onward.nearest(path, self.seen.positions[1], own, lasts, below + extent)
+        stands = path.begun(float(path.times[-1]) - self.horizon) if path.repeats else path
+        for followed, own, lasts in ((stands, np.zeros(3), 0.0), (path, self.own, self.horizon)):
+            nearest, after = onward.nearest(followed, self.seen.positions[1], own, lasts, below + extent)
             yield Approach(nearest - extent, self.obstacle, self.since + after)
 
 

@@ -105,7 +105,7 @@ def test_rest_is_measured_by_the_threshold_wherever_it_is(
 ) -> None:
     scenario = SimpleNamespace(given_scenario=SimpleNamespace(horizon=15.0))
     flights: Any = SimpleNamespace(campaign=scenario, step=0.005, threshold=threshold)
-    assert onward._at_rest(np.array([[place_at, 0.0, 0.0], [place_at + moved, 0.0, 0.0]]), flights) == rests
+    assert onward.at_rest(np.array([[place_at, 0.0, 0.0], [place_at + moved, 0.0, 0.0]]), flights) == rests
 
 
 def test_a_straight_path_ends_at_its_goal() -> None:

@@ -67,7 +67,7 @@ def motion(onward: Onward, centres: Floats, closing: bool) -> Motion:
 def _known(centres: Floats, closing: bool, flights: Flights) -> bool:
     """Whether an obstacle with states has come to rest, or moves away at a constant velocity. One that was never seen
     to move may only be waiting."""
-    if _at_rest(centres[3:], flights):
+    if at_rest(centres[3:], flights):
         return not _same(centres[0], centres[4])
     return not closing and _steady(centres[1:3], centres[3:])
 
@@ -78,7 +78,7 @@ def _steady(before: Floats, now: Floats) -> bool:
     return bool(np.linalg.norm(velocity - (before[1] - before[0])) <= STEADY * np.linalg.norm(velocity))
 
 
-def _at_rest(now: Floats, flights: Flights) -> bool:
+def at_rest(now: Floats, flights: Flights) -> bool:
     """Whether it would move within another horizon by no more than the rounding of its place at each step, and a
     millionth of the threshold [m]."""
     steps = flights.campaign.given_scenario.horizon / flights.step

@@ -165,8 +165,10 @@ def _beyond(record: Record, beyond: Beyond) -> str:
     )
     fail, on = "fails" if beyond.cut_short == 1 else "fail", ", extrapolated from there" if measured else ""
     shown += [f"{numbers.count(beyond.cut_short)} {fail} after the horizon{on}"] if beyond.cut_short else []
-    shown += [f"lowest approach after it: {_later(record, beyond.lowest)}"] if beyond.lowest else []
-    shown += [f"not known how it moves on: {_later(record, beyond.unknown)}"] if beyond.unknown else []
+    shown += [f"lowest approach after it: {_later(record, beyond.least)}"] if beyond.least else []
+    if beyond.unknown:
+        what = "the vehicle" if beyond.unknown.vehicle else "the obstacle"
+        shown.append(f"not known how {what} moves on: {_later(record, beyond.unknown)}")
     return "; ".join(shown)
 
 

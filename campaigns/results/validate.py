@@ -160,6 +160,9 @@ class Later(Result):
     until: Annotated[float | None, UNLESS_NONE] = None
     """The last instant of its simulation, which fails then [s]; omitted if it does not fail, and in results of earlier
     versions."""
+    vehicle: Annotated[bool | None, UNLESS_NONE] = None
+    """Of one that is not known: whether that is because the vehicle would come so close only if it went straight on
+    for longer than it is followed; else omitted, as in results of earlier versions."""
 
 
 class Beyond(Result):
@@ -182,7 +185,14 @@ class Beyond(Result):
     value is the least at the samples of a line."""
     unknown: Annotated[Later | None, UNLESS_NONE] = None
     """The closest one to an obstacle that may come closer: it has states, or neither repeats its path nor ends it, and
-    is neither at rest nor moves away at a constant velocity. Its value is that on straight lines."""
+    is neither at rest nor moves away at a constant velocity; or to one that the vehicle is still approaching at the end
+    of all that is followed, and whose threshold it would reach. Its value is that on straight lines."""
+
+    @property
+    def least(self) -> Later | None:
+        """The one that comes closest, unless another one that is not known may come closer still."""
+        lower = self.lowest is not None and self.unknown is not None and self.unknown.value < self.lowest.value
+        return None if lower else self.lowest
 
 
 class Mismeasured(Result):

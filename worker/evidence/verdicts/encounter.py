@@ -76,10 +76,11 @@ def _closest(problem: Problem, evidence: Evidence) -> Condition | None:
     beyond = evidence.encounter.beyond
     if none:
         return False, say("no closest approach is known for ", listed(none))
-    if beyond is not None and beyond.closer:
+    open_ = None if beyond is None else beyond.unknown
+    if beyond is not None and beyond.closer and (open_ is None or beyond.least is not None):
         return False, say(_closer(problem, beyond), longer)
-    if beyond is not None and beyond.unknown is not None:
-        return False, say(_unknown(problem, beyond, beyond.unknown), longer)
+    if beyond is not None and open_ is not None:
+        return False, say(_unknown(problem, beyond, open_), longer)
     if late:
         return False, say(
             *("the closest approach of ", listed(late), " is at the end of the horizon, before the encounter is over"),
@@ -165,12 +166,14 @@ def _value(problem: Problem, later: Later) -> Span:
 
 
 def _unknown(problem: Problem, beyond: Beyond, later: Later) -> Spans:
-    """That an obstacle which turns or has states approaches at the end of what is known of its motion."""
+    """That an obstacle which turns or has states approaches at the end of what is known of its motion, or the vehicle
+    at the end of what is known of its own."""
     until = beyond.times * problem.campaign.given_scenario.horizon if later.until is None else later.until
     known = say(number(until, "s", "known"), "" if later.until is None else ", when the flight fails")
     quantity, value = symbol(problem.quantity), _value(problem, later)
+    moves = "the vehicle moves on" if later.vehicle else f"{_obstacle(problem, later)} moves"
     return say(
-        *("it is not known how ", _obstacle(problem, later), " moves after ", known, ": ", _there(problem, later)),
+        *(f"it is not known how {moves} after ", known, ": ", _there(problem, later)),
         *("; along straight lines ", quantity, " would be ", value, " after another "),
         number(later.time, "s", "after", 4),
     )

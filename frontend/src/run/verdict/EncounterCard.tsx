@@ -117,8 +117,14 @@ function Onward({ beyond, measures, ...value }: Value & { beyond: Beyond; measur
         {!measures && (
           <span className="mut">; nothing is known beyond {plain(beyond.times)} times the horizon</span>
         )}
-        {lowest && <span className="mut">; lowest approach after it: {at(lowest, value)}</span>}
-        {unknown && <span className="unk-t">; not known how it moves on: {at(unknown, value)}</span>}
+        {lowest && !(unknown && unknown.value < lowest.value) && (
+          <span className="mut">; lowest approach after it: {at(lowest, value)}</span>
+        )}
+        {unknown && (
+          <span className="unk-t">
+            ; not known how {unknown.vehicle ? 'the vehicle' : 'the obstacle'} moves on: {at(unknown, value)}
+          </span>
+        )}
       </dd>
     </>
   )

@@ -35,6 +35,15 @@ it('states how many flights fail after the horizon, and when the lowest one does
   expect(none).not.toContain('fail')
 })
 
+it('states no lowest approach where a lower one may come, and whose motion is not known', () => {
+  const unknown = { ...later, value: 0.2, simulated: false }
+  expect(shown({ beyond: { ...beyond, lowest: later, unknown } })).toContain('the obstacle moves on: dmin 0.2 m')
+  const html = shown({ beyond: { ...beyond, lowest: later, unknown: { ...unknown, vehicle: true } } })
+  expect(html).toContain('the vehicle moves on: dmin 0.2 m')
+  expect(html).not.toContain('0.5 m')
+  expect(shown({ beyond: { ...beyond, lowest: { ...later, value: 0.1 }, unknown } })).toContain('dmin 0.1 m')
+})
+
 it('states of a criterion without distances that nothing is known beyond what is simulated', () => {
   const html = shown({ beyond: { ...beyond, lowest: null } }, '')
   expect(html).toContain('; 301 fail after the horizon; nothing is known beyond 2 times the horizon')

@@ -61,6 +61,8 @@ def test_flights_that_fail_after_the_horizon_are_counted() -> None:
 
     assert numbers({}) == ["1", "302", "301", "1", "3", "1", "71.5", "0.5", "2"]
     assert numbers({"cut_short": 1, "lowest": None}) == ["1", "302", "1"]
+    lower = later.model_copy(update={"value": 0.25, "until": None, "vehicle": True})
+    assert numbers({"unknown": lower}) == ["1", "302", "301", "1", "3", "1", "0.25", "2"]
     assert numbers({"cut_short": 0, "lowest": None}) == numbers({"cut_short": None, "lowest": None}) == ["1", "302"]
 
 

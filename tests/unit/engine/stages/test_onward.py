@@ -11,6 +11,7 @@ from campaigns import Campaign
 from campaigns.results.validate import Beyond, ValidateResult
 from campaigns.results.verdict import VerdictWord
 from tests.audited import audited
+from tests.given.beyond_horizon import travelling
 from tests.given.case_campaigns import searching
 from tests.given.corrupted_records import DIRECT, SQP, counting
 from tests.given.sampled_stages import DRAWN
@@ -76,6 +77,20 @@ def test_what_only_flights_of_a_search_meet_after_the_horizon_is_not_cleared() -
     assert found.lowest is not None
     assert found.lowest.value < 0.5
     assert "of the sample" not in found.lowest.name
+    audited(store, campaign)
+
+
+@pytest.mark.parametrize("intended", [{}, {"closest_approach": "elsewhere"}])
+def test_what_a_vehicle_that_is_still_under_way_would_come_to_is_not_cleared(intended: dict[str, str]) -> None:
+    """It goes on to a far goal, 15 horizons away; the obstacle is on its line after two more."""
+    post = {"component": "circle", "parameters": {"position": {"x": 39.2, "y": 46.5}, "radius": 0.3}}
+    campaign, store = travelling(post, encounter={"intended": intended}), MemoryStore(sample_seed=DRAWN)
+    conclusion = execute(campaign, store, threads=1)
+    assert "closest approach" in [found.code for found in conclusion.checks if not found.ok]
+    found = later(store).unknown
+    assert found is not None
+    assert found.vehicle
+    assert found.value < 1.0
     audited(store, campaign)
 
 

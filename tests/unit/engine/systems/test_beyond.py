@@ -56,6 +56,17 @@ def test_a_path_is_followed_to_its_end() -> None:
     assert (ended.closer, ended.unknown) == (0, None)
 
 
+@pytest.mark.parametrize("intervals", [100, onward.MOST])
+def test_a_path_that_is_cut_in_the_middle_of_a_leg_is_not_known(
+    intervals: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """It moves away steadily for hours, and comes back."""
+    monkeypatch.setattr(onward, "MOST", intervals)
+    far = {"position": place(30.0, 7.0), "waypoint1": place(9000.0, 7.0), "waypoint2": place(-90.0, 7.3)}
+    found = beyond("waypoint_circle", **far, legs=2.0, speed=2.0)
+    assert (found.closer, found.unknown is not None) == ((0, True) if intervals == 100 else (1, False))
+
+
 @pytest.mark.parametrize(
     ("position", "goal", "unknown"),
     [
@@ -94,7 +105,7 @@ def test_rest_is_measured_by_the_threshold_wherever_it_is(
 ) -> None:
     scenario = SimpleNamespace(given_scenario=SimpleNamespace(horizon=15.0))
     flights: Any = SimpleNamespace(campaign=scenario, step=0.005, threshold=threshold)
-    assert onward._at_rest(np.array([[place_at, 0.0, 0.0], [place_at + moved, 0.0, 0.0]]), flights) == rests
+    assert onward.at_rest(np.array([[place_at, 0.0, 0.0], [place_at + moved, 0.0, 0.0]]), flights) == rests
 
 
 def test_a_straight_path_ends_at_its_goal() -> None:

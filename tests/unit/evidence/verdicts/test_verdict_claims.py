@@ -287,6 +287,12 @@ def late(value: float = 0.69, simulated: bool = True, closer: int = 302) -> dict
 UNKNOWN = met(beyond=Beyond(times=2.0, flights=302, closer=0, lowest=None, unknown=later(simulated=False)))
 
 
+def under_way(value: float) -> dict[str, Any]:
+    """Flights come closer after the horizon, and the vehicle would come to a value if it went on."""
+    further = later(value=value, simulated=False, vehicle=True)
+    return met(beyond=Beyond(times=2.0, flights=302, closer=302, lowest=later(), unknown=further))
+
+
 @pytest.mark.parametrize(
     ("given", "name", "waived"),
     [
@@ -297,6 +303,8 @@ UNKNOWN = met(beyond=Beyond(times=2.0, flights=302, closer=0, lowest=None, unkno
         (nearest(), "closest_approach", False),
         ({"finding": finding(closest=None)}, "closest_approach", False),
         (UNKNOWN, "closest_approach", False),
+        (under_way(0.2), "closest_approach", False),
+        (under_way(0.6), "closest_approach", False),
         (late(0.4), "closest_approach", False),
         (late(0.5, closer=1), "closest_approach", False),
         (nearest(time=15.0, at="end") | late(0.5, simulated=False), "closest_approach", False),
@@ -313,6 +321,14 @@ def test_an_author_can_state_a_condition_but_no_violation_beyond_the_horizon(
     assert conclusion.verdict == ("cleared" if waived else "inconclusive")
     assert check_of(name.replace("_", " "), conclusion).ok is waived
     assert ("a baseline." in conclusion.reason) is waived
+
+
+@pytest.mark.parametrize(("value", "stated"), [(0.2, 0.2), (0.6, 0.6), (0.8, 0.69)])
+def test_no_value_is_stated_as_the_lowest_where_a_lower_one_may_come(value: float, stated: float) -> None:
+    found = check_of("closest approach", concluded(**under_way(value)))
+    assert not found.ok
+    assert found.values["later"] == stated
+    assert ("known" in found.values) is (value == stated)
 
 
 def test_flights_that_come_no_closer_beyond_the_horizon_are_counted() -> None:

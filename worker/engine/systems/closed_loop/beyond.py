@@ -2,14 +2,15 @@
 
 An obstacle that is still approaching when the horizon ends may come closer than anything that was evaluated. What it
 does until twice the horizon is simulated, or until the simulation fails. After that the vehicle stops or goes straight
-on (`ahead`); obstacles that move on straight lines go on along them, and those that turn are followed (`onward`). Start
-reading at `met`.
+on (`ahead`); obstacles that move on straight lines go on along them, and those that turn are followed (`onward`). Where
+the vehicle would come to the threshold even later, what comes is not known (`further`). Start reading at `met`.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from functools import cache
 from typing import NamedTuple, Self
 
 import numpy as np
@@ -18,8 +19,9 @@ from campaigns.limits import CONTINUED
 from campaigns.results.validate import Beyond, Later
 from worker.engine.kernels import loop as closed_loop
 from worker.engine.systems.base import Floats, Stopping
-from worker.engine.systems.closed_loop.ahead import Ahead, Leg
+from worker.engine.systems.closed_loop.ahead import SAME, Ahead, Leg
 from worker.engine.systems.closed_loop.flights import Flights
+from worker.engine.systems.closed_loop.further import after, passing, remaining
 from worker.engine.systems.closed_loop.onward import Motion, Onward, Path, leaves, motion
 from worker.engine.systems.closed_loop.trace import Seen
 from worker.engine.systems.closed_loop.uniform import pivots, uniform
@@ -30,12 +32,14 @@ MEMORY = 2**23
 
 class Approach(NamedTuple):
     """An approach after the horizon: the criterion's value, the obstacle, and the time after the horizon [s]; of one
-    that is simulated the latter two are not known yet. known: False if the obstacle may come closer than that."""
+    that is simulated the latter two are not known yet. known: False if the obstacle may come closer than that, or if
+    it depends on how the vehicle moves on (vehicle)."""
 
     value: float = math.inf
     obstacle: int | None = None
     time: float = 0.0
     known: bool = True
+    vehicle: bool = False
 
 
 class Continued(NamedTuple):
@@ -163,7 +167,8 @@ def _seen(flights: Flights, row: Floats, trace: Floats, first: int, last: int) -
 
 def _extrapolated(flights: Flights, row: Floats, trace: Floats, last: int, below: float) -> Iterator[Approach]:
     """The closest approach to every obstacle that comes closer after the last step than it is there, and to every one
-    that turns. The vehicle stops at once, or keeps its velocity for another horizon and then stops."""
+    that turns. The vehicle stops at once, or keeps its velocity for another horizon and then stops. If it goes on and
+    meets something even later, what comes is not known."""
     if not _measures(flights):
         return
     seen, time = _seen(flights, row, trace, last - 1, last), last * flights.step
@@ -176,22 +181,26 @@ def _extrapolated(flights: Flights, row: Floats, trace: Floats, last: int, below
         lowest: Floats = _seen(flights, row, trace, 0, last).channels.min(axis=0)
         return lowest
 
+    @cache
+    def further() -> float:
+        return remaining(_seen(flights, row, trace, max(halfway, 0), last).positions, flights)
+
     ahead = Ahead(flights, row, trace[last], seen, time, below, so_far)
     for i, obstacle in enumerate(flights.parts.obstacles):
         closing = bool(seen.deciding[1, i] < seen.deciding[0, i])
         centres = np.concatenate([begun.centres[:1, i], before.centres[:, i], seen.centres[:, i]])
         onward = Onward(flights, row, trace[last], time, i)
         moves = motion(onward, centres, closing)
-        end = _End(flights, seen, i, last, ahead)
+        end = _End(flights, seen, i, last, ahead, below, further)
         if moves.kind == "followed":
-            yield from end.followed(onward, moves, below)
+            yield from end.followed(onward, moves)
             continue
         if moves.kind == "straight" and obstacle.moving and not obstacle.states and not uniform(ahead, onward):
             moves = Motion("unknown")
         straight = [*end.straight(closing)] if closing or not obstacle.states else []
         yield from straight
         if moves.kind == "unknown":
-            yield min([end.here, *straight], key=_value)._replace(known=False)
+            yield min([end.here, *straight], key=_value)._replace(known=False, vehicle=False)
 
 
 def _measures(flights: Flights) -> bool:
@@ -201,13 +210,16 @@ def _measures(flights: Flights) -> bool:
 
 
 class _End(NamedTuple):
-    """The last sample of a flight, and the obstacle of which the approaches follow."""
+    """The last sample of a flight, and the obstacle of which the approaches follow. below: the lowest value of the
+    evaluations; further: how long the vehicle goes on [s]."""
 
     flights: Flights
     seen: Seen
     obstacle: int
     last: int
     ahead: Ahead
+    below: float
+    further: Callable[[], float]
 
     @property
     def since(self) -> float:
@@ -233,11 +245,12 @@ class _End(NamedTuple):
         return Approach(value if known else self.ahead.declared(self.obstacle), self.obstacle, self.since, known)
 
     def legs(self, lasts: float) -> tuple[Leg, Leg, Leg]:
-        """Those of a vehicle that stops, and of one that goes on and then stops; lasts: how long they are followed."""
+        """Those of a vehicle that stops, and of one that goes on for a horizon and then stops; lasts: how long they are
+        followed, at least a horizon."""
         place, still = self.seen.positions[1], np.zeros(3)
-        going = Leg(0.0, min(self.horizon, lasts), place, self.own)
         there = place + self.horizon * self.own
-        return Leg(0.0, lasts, place, still), going, Leg(self.horizon, max(0.0, lasts - self.horizon), there, still)
+        going, ends = Leg(0.0, self.horizon, place, self.own), Leg(self.horizon, lasts - self.horizon, there, still)
+        return Leg(0.0, lasts, place, still), going, ends
 
     def straight(self, closing: bool) -> Iterator[Approach]:
         """The approach of an obstacle at rest, of one that moves straight on, and of one with states as if it did."""
@@ -246,17 +259,21 @@ class _End(NamedTuple):
             yield self.here
         drift = (self.seen.centres[1, i] - self.seen.centres[0, i]) / self.flights.step if obstacle.states else None
         stops, goes, ends = self.legs(math.inf)
-        yield from self._closer((stops, goes, ends) if obstacle.moving else (goes,), drift)
+        yield from self._closer((stops,), drift) if obstacle.moving else ()
+        reached = [*self._closer((goes,), drift)]
+        yield from (self._judged(each, self._onward(drift)) if self._cut(each) else each for each in reached)
+        if obstacle.moving:  # what it has reached is not the lowest where it stops if it would go on
+            yield from (each for each in self._closer((ends,), drift) if _lower(each, reached))
 
-    def followed(self, onward: Onward, moves: Motion, below: float) -> Iterator[Approach]:
+    def followed(self, onward: Onward, moves: Motion) -> Iterator[Approach]:
         """The approach of an obstacle whose path is known, for as long as it is."""
         path, here = onward.path(moves), self.seen.positions[1]
         extent = self.ahead.extent(self.obstacle)
         if extent is None or self.ahead.leans(self.obstacle, here, here + self.horizon * self.own):
-            closer = [*self._closer(self.legs(float(path.times[-1])), None)]
+            closer = [*self._exactly(path)]
             found = [self.here, *closer]
         else:
-            found = [*self._bounded(onward, path, below, extent)]
+            found = [*self._bounded(onward, path, extent)]
             closer = [each for each in found if each.value < float(np.linalg.norm(path.centres[0] - here)) - extent]
         yield from closer
         known = path.whole or leaves(path, here)
@@ -265,7 +282,31 @@ class _End(NamedTuple):
         if path.still and not path.whole and moves.lasts and not moves.corners:
             known = pivots(self.ahead, onward, moves.lasts)
         if not known:
-            yield min(found, key=_value)._replace(known=False)
+            yield min(found, key=_value)._replace(known=False, vehicle=False)
+
+    def _cut(self, approach: Approach) -> bool:
+        """Whether an approach of a vehicle that goes on is later than it is followed, or at the end of that."""
+        return approach.known and approach.time - self.since >= self.horizon * (1.0 - SAME)
+
+    def _onward(self, drift: Floats | None) -> Approach:
+        """The approach of a vehicle that goes straight on for as far as it gets."""
+        lasts = self.further()
+        value, after = self.ahead.lowest(self.obstacle, Leg(0.0, math.inf, self.seen.positions[1], self.own), drift)
+        if after > lasts:
+            value, after = self.ahead.lowest(self.obstacle, Leg(0.0, lasts, self.seen.positions[1], self.own), drift)
+        return Approach(value, self.obstacle, self.since + after)
+
+    def _judged(self, reached: Approach, further: Approach) -> Approach:
+        """What is stated of a vehicle that is followed to one approach, and has another one if it goes farther: that it
+        is not known what comes, where this is lower than the evaluations or comes to the threshold."""
+        if not self._cut(further) or not further.value < reached.value:
+            return reached
+        if reached.value <= self.flights.threshold:
+            return further if reached.value < self.below else reached
+        meets = further.value <= self.flights.threshold and further.value < self.below
+        if meets or reached.value < self.below:
+            return further._replace(known=False, vehicle=True)
+        return further if further.value >= self.below else reached
 
     def _closer(self, legs: Sequence[Leg], drift: Floats | None) -> Iterator[Approach]:
         """The approaches on some lines, as far as they are closer than the last sample."""
@@ -277,11 +318,44 @@ class _End(NamedTuple):
             elif value < here.value or not here.known:
                 yield Approach(value, self.obstacle, self.since + after)
 
-    def _bounded(self, onward: Onward, path: Path, below: float, extent: float) -> Iterator[Approach]:
+    def _exactly(self, path: Path) -> Iterator[Approach]:
+        """The approaches by the criterion itself, at every step of a path that is followed."""
+        lasts = float(path.times[-1])
+        stops, goes, ends = self.legs(lasts)
+        yield from self._closer((stops,), None)
+        reached = [*self._closer((goes, ends), None)]
+        there, on = self.seen.positions[1] + lasts * self.own, self.further()
+        legs = [goes._replace(lasts=min(lasts, on))]
+        if on > lasts:
+            # Where it repeats, past all of it and for a turn more.
+            passed = float(passing(path.centres - there, self.own, math.inf)[1].max()) + lasts
+            legs.append(Leg(lasts, min(passed if path.repeats else math.inf, on - lasts), there, self.own))
+        further = [*self._closer(legs, None)] if on > self.horizon else []
+        lowest = min(reached, key=_value, default=self.here)
+        yield from reached if not further else [self._judged(lowest, min(further, key=_value))]
+
+    def _bounded(self, onward: Onward, path: Path, extent: float) -> Iterator[Approach]:
         """The approaches by the distances to a centre, which have a bound within every interval of its path."""
-        for own, lasts in ((np.zeros(3), 0.0), (self.own, self.horizon)):
-            nearest, after = onward.nearest(path, self.seen.positions[1], own, lasts, below + extent)
-            yield Approach(nearest - extent, self.obstacle, self.since + after)
+        place, below, lasts, on = self.seen.positions[1], self.below + extent, float(path.times[-1]), self.further()
+
+        def approach(distance: float, after: float) -> Approach:
+            return Approach(distance - extent, self.obstacle, self.since + after)
+
+        stands = path.begun(lasts - self.horizon) if path.repeats else path
+        yield approach(*onward.nearest(stands, place, np.zeros(3), 0.0, below))
+        reached = approach(*onward.nearest(path, place, self.own, self.horizon, below))
+        if on > self.horizon:
+            further = [approach(*onward.nearest(path, place, self.own, on, below))]
+            if on > lasts:
+                distance, later = after(path, place + lasts * self.own, self.own, on - lasts)
+                further.append(approach(distance, lasts + later))
+            reached = self._judged(reached, min(further, key=_value))
+        yield reached
+
+
+def _lower(approach: Approach, others: Sequence[Approach]) -> bool:
+    """Whether an approach is lower than others, or not known."""
+    return not approach.known or all(approach.value < other.value for other in others)
 
 
 def _later(flights: Flights, name: str, row: Floats, continued: Continued, approach: Approach) -> Later:
@@ -303,4 +377,5 @@ def _later(flights: Flights, name: str, row: Floats, continued: Continued, appro
         closing=(before - now) / flights.step,
         simulated=approach.obstacle is None,
         until=last * flights.step if continued.failed else None,
+        vehicle=True if approach.vehicle else None,
     )

@@ -1,8 +1,8 @@
 """Where obstacles move after the last sample of a flight, as far as it is known.
 
-A prescribed motion depends on time alone, so it is followed without simulating anything: to its last corner, or for a
-whole turn if it repeats. One with states is known only while it is at rest or keeps its velocity. Start reading at
-`motion`.
+A prescribed motion depends on time alone, so it is followed without simulating anything: for the horizon in which the
+vehicle may go on, and then to its last corner, or for a whole turn if it repeats. One with states is known only while
+it is at rest or keeps its velocity. Start reading at `motion`.
 """
 
 from __future__ import annotations
@@ -14,13 +14,16 @@ from typing import Literal, NamedTuple
 import numpy as np
 
 from campaigns.checked.rates import corners, fastest, lasting
-from campaigns.limits import CONTINUED, ROUNDING
+from campaigns.limits import ROUNDING
 from worker.engine.systems.base import Floats
 from worker.engine.systems.closed_loop.flights import Flights
 
 SAMPLES, FINER = 1000, 64
-"""Of a whole turn or path; an interval that may hold the closest approach is divided again."""
-MOST = 4 * SAMPLES
+"""Of all that is followed; an interval that may hold the closest approach is divided again."""
+TURN, COARSEST = 100, 16
+"""So many intervals a turn that repeats has, and at least if there are more of them than `MOST`."""
+MOST = 2**16
+"""Intervals; what takes longer is cut, and not known."""
 REFINED = 16
 """So many intervals are divided at most."""
 FAR = 397.3
@@ -64,7 +67,7 @@ def motion(onward: Onward, centres: Floats, closing: bool) -> Motion:
 def _known(centres: Floats, closing: bool, flights: Flights) -> bool:
     """Whether an obstacle with states has come to rest, or moves away at a constant velocity. One that was never seen
     to move may only be waiting."""
-    if _at_rest(centres[3:], flights):
+    if at_rest(centres[3:], flights):
         return not _same(centres[0], centres[4])
     return not closing and _steady(centres[1:3], centres[3:])
 
@@ -75,7 +78,7 @@ def _steady(before: Floats, now: Floats) -> bool:
     return bool(np.linalg.norm(velocity - (before[1] - before[0])) <= STEADY * np.linalg.norm(velocity))
 
 
-def _at_rest(now: Floats, flights: Flights) -> bool:
+def at_rest(now: Floats, flights: Flights) -> bool:
     """Whether it would move within another horizon by no more than the rounding of its place at each step, and a
     millionth of the threshold [m]."""
     steps = flights.campaign.given_scenario.horizon / flights.step
@@ -103,11 +106,19 @@ class Path(NamedTuple):
     whole: bool
     rests: bool = False
     """Whether it is at rest at the end."""
+    repeats: bool = False
+    cut: bool = False
+    """Whether it ends before all that was to be followed."""
 
     @property
     def still(self) -> bool:
         """Whether the centre never moves."""
         return not _moves(self.centres)
+
+    def begun(self, lasts: float) -> Path:
+        """Its first part, which is no shorter [s]."""
+        count = int(np.searchsorted(self.times, lasts)) + 1
+        return self._replace(times=self.times[:count], centres=self.centres[:count])
 
 
 class Onward:
@@ -120,23 +131,30 @@ class Onward:
         self._columns = slice(first, first + 3)
 
     def path(self, moves: Motion) -> Path:
-        """Its path for a turn; one that does not repeat is followed for as long as flights are simulated, if this is
-        longer."""
-        longer = CONTINUED * self.flights.campaign.given_scenario.horizon
-        begun = self._over(moves.lasts, moves) if moves.lasts else None
-        if begun is not None and (begun.whole or moves.lasts >= longer):
-            return begun
-        return self._over(longer, moves)
-
-    def _over(self, length: float, moves: Motion) -> Path:
-        # The interval divides the time so far, because the loop is observed at multiples of a step.
-        first = max(1, round(self._time * SAMPLES / length))
-        step = self._time / first
+        """Its path for one horizon and then a whole turn: the vehicle goes on for a horizon at most, and meets
+        everything within a turn once it stands. One without a turn is followed for another horizon."""
+        horizon, turn = self.flights.campaign.given_scenario.horizon, moves.lasts
+        length, repeats = horizon + max(horizon, turn), turn > 0.0 and self._returns(turn)
+        each = max(min(length / SAMPLES, turn / TURN if turn else math.inf), length / MOST)
+        step, first = self._interval(each)
         count = min(math.ceil(length / step), MOST)
+        cut = count * step < length or (repeats and step * COARSEST > turn)
         found = self._centres(step, first, count + 2)
-        end, rests = round(moves.lasts / step), _same(found[-2], found[-1])
-        whole = (0 < end <= count and _repeats(found, end)) or (rests and self._ended(found, moves.corners))
-        return Path(step * np.arange(count + 1, dtype=np.float64), found[:-1], whole, rests)
+        rests = _same(found[-2], found[-1])
+        whole = not cut and (repeats or (rests and self._ended(found, moves.corners)))
+        return Path(step * np.arange(count + 1, dtype=np.float64), found[:-1], whole, rests, repeats, cut)
+
+    def _returns(self, turn: float) -> bool:
+        """Whether it is after a turn as it was before."""
+        step, first = self._interval(turn / SAMPLES)
+        end = round(turn / step)
+        return 0 < end <= MOST and _repeats(self._centres(step, first, end + 2), end)
+
+    def _interval(self, least: float) -> tuple[float, int]:
+        """An interval that is not shorter [s], and how many there were so far: the loop is observed at multiples of a
+        step, so that it divides the time until then, and is no longer than that."""
+        first = max(1, math.floor(self._time / least))
+        return self._time / first, first
 
     def _ended(self, path: Floats, ends: Sequence[tuple[float, ...]]) -> bool:
         """Whether rest is the end of a motion: one that was not seen may still begin."""
@@ -221,7 +239,10 @@ def _lowest(relative: Floats) -> Floats:
 
 
 def leaves(path: Path, position: Floats) -> bool:
-    """Whether it moves away at the end, at the velocity of half the time before."""
+    """Whether it moves away at the end, at the velocity of half the time before. That says nothing of a path that was
+    cut in the middle of a leg."""
+    if path.cut:
+        return False
     half = len(path.centres) // 2
     before, now = np.linalg.norm(path.centres[-2:] - position, axis=1)
     return bool(now >= before) and _steady(path.centres[half - 1 : half + 1], path.centres[-2:])

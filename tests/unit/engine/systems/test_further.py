@@ -1,0 +1,125 @@
+"""What lies straight ahead of a vehicle that is still under way is not taken as passed, wherever its line is cut."""
+
+from __future__ import annotations
+
+import math
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from tests.given.beyond_horizon import met, place, travelling, under_way
+from worker.engine.systems.closed_loop import further
+from worker.engine.systems.closed_loop.onward import Path
+
+HORIZON = 5.0
+Points = np.ndarray[Any, np.dtype[np.float64]]
+
+
+def obstacle(component: str, horizons: float, aside: float) -> dict[str, Any]:
+    """One that the vehicle meets so many horizons after it was simulated if it goes straight on."""
+    here, velocity = under_way()
+    after, left = HORIZON * horizons, np.array([-velocity[1], velocity[0]]) / np.linalg.norm(velocity)
+    there = here + after * velocity + aside * left
+    rate, since = 1.0, 2.0 * HORIZON + after
+    given: dict[str, dict[str, Any]] = {
+        "circle": {"position": place(*there)},
+        "moving_circle": {  # it is overtaken
+            "position": place(*(there - 0.3 * velocity * since)), "goal": place(*(there + 1e3 * velocity)),
+            "speed": 0.3 * float(np.linalg.norm(velocity)),
+        },
+        "orbiting_circle": {
+            "centre": place(*(there - 2.0 * np.array([math.cos(rate * since), math.sin(rate * since)]))),
+            "way": 2.0, "phase": 0.0, "speed": 2.0 * rate,
+        },
+    }  # fmt: skip
+    return {"component": component, "parameters": given[component] | {"radius": 0.3}}
+
+
+@pytest.mark.parametrize("component", ["circle", "moving_circle", "orbiting_circle"])
+@pytest.mark.parametrize("horizons", [1.5, 4.0, 9.0])
+def test_what_lies_ahead_is_not_known_if_the_vehicle_would_come_to_the_threshold(
+    component: str, horizons: float
+) -> None:
+    found = met(travelling(obstacle(component, horizons, 0.0)))
+    assert found.unknown is not None
+    assert found.unknown.vehicle
+    assert found.unknown.obstacle == 1
+    assert found.unknown.value < 0.1
+    if found.closer:
+        assert found.lowest is not None
+        assert found.lowest.value > found.unknown.value
+    if component == "circle":  # others are met wherever they are on their paths
+        assert found.unknown.time == pytest.approx(HORIZON * (1.0 + horizons), rel=0.02)
+
+
+@pytest.mark.parametrize(
+    ("component", "horizons", "aside"),
+    [
+        ("circle", 4.0, 3.0),
+        ("circle", -0.5, 3.0),
+        ("circle", -0.5, -3.0),
+        ("moving_circle", 4.0, 3.0),
+        ("orbiting_circle", 4.0, 9.0),
+        ("orbiting_circle", -2.0, 9.0),
+    ],
+)
+def test_what_is_passed_or_lies_aside_bars_nothing(component: str, horizons: float, aside: float) -> None:
+    found = met(travelling(obstacle(component, horizons, aside)))
+    assert (found.closer, found.unknown) == (0, None)
+
+
+def test_what_is_met_within_the_horizon_that_is_followed_is_known() -> None:
+    found = met(travelling(obstacle("circle", 0.6, 0.2)))
+    assert (found.closer, found.unknown) == (1, None)
+    assert found.lowest is not None
+    assert found.lowest.time == pytest.approx(1.6 * HORIZON, rel=0.02)
+
+
+FLIGHTS: Any = SimpleNamespace(
+    campaign=SimpleNamespace(given_scenario=SimpleNamespace(horizon=20.0)), step=0.1, threshold=0.5
+)
+TIMES = 0.1 * np.arange(101.0)
+
+
+def along(x: Points, y: Points | float = 0.0) -> Points:
+    return np.stack([x, y + 0.0 * x, 0.0 * x], axis=1)
+
+
+@pytest.mark.parametrize(
+    ("positions", "lasts"),
+    [
+        (along(3.0 * TIMES), math.inf),
+        (along(0.01 * TIMES), math.inf),
+        (along(TIMES**2), math.inf),
+        (along(10.0 * np.sin(0.3 * TIMES), 10.0 * np.cos(0.3 * TIMES)), math.inf),  # half a circle
+        (along(np.sin(3.0 * TIMES), np.cos(3.0 * TIMES)), 0.0),
+        (along(5.0 + 0.0 * TIMES), 0.0),
+        (along(5.0 + 1e-13 * TIMES), 0.0),
+        (along(1e-3 * np.random.default_rng(1).normal(size=101)), 0.0),
+        (along(-np.exp(-0.4 * TIMES)), 1.0 / 0.4),
+        (along(-np.exp(-0.01 * TIMES)), 1.0 / 0.01),
+        (along(np.where(TIMES < 4.0, 8.0 * TIMES, 32.0 + 2.0 * (TIMES - 4.0))), math.inf),
+    ],
+    ids=[
+        "straight", "slowly", "faster and faster", "a bend", "circles", "stands", "rounding", "hovers", "slows",
+        "hardly slows", "slower now",
+    ],
+)  # fmt: skip
+def test_a_vehicle_goes_as_far_as_it_gets(positions: Points, lasts: float) -> None:
+    assert further.remaining(positions, FLIGHTS) == pytest.approx(lasts, rel=0.05)
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_nothing_of_a_path_that_repeats_is_closer_than_is_found(seed: int) -> None:
+    random = np.random.default_rng(seed)
+    angle = np.linspace(0.0, 2.0 * np.pi, 201)
+    centres = random.normal(size=3) + 3.0 * np.stack([np.cos(angle), np.sin(angle), 0.0 * angle], axis=1)
+    path = Path(angle, centres, whole=True, repeats=True)
+    begin, velocity, lasts = random.normal(0.0, 9.0, 3), random.normal(0.0, 2.0, 3), random.uniform(1.0, 9.0)
+    line = begin + np.linspace(0.0, lasts, 2000)[:, None] * velocity
+    true = np.linalg.norm(line[:, None] - centres, axis=2).min()
+    found, _ = further.after(path, begin, velocity, lasts)
+    assert found <= true
+    assert found == pytest.approx(true, abs=0.2)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -77,9 +76,6 @@ def test_what_is_met_within_the_horizon_that_is_followed_is_known() -> None:
     assert found.lowest.time == pytest.approx(1.6 * HORIZON, rel=0.02)
 
 
-FLIGHTS: Any = SimpleNamespace(
-    campaign=SimpleNamespace(given_scenario=SimpleNamespace(horizon=20.0)), step=0.1, threshold=0.5
-)
 TIMES = 0.1 * np.arange(101.0)
 
 
@@ -96,19 +92,24 @@ def along(x: Points, y: Points | float = 0.0) -> Points:
         (along(10.0 * np.sin(0.3 * TIMES), 10.0 * np.cos(0.3 * TIMES)), math.inf),  # half a circle
         (along(np.sin(3.0 * TIMES), np.cos(3.0 * TIMES)), 0.0),
         (along(5.0 + 0.0 * TIMES), 0.0),
-        (along(5.0 + 1e-13 * TIMES), 0.0),
         (along(1e-3 * np.random.default_rng(1).normal(size=101)), 0.0),
         (along(-np.exp(-0.4 * TIMES)), 1.0 / 0.4),
         (along(-np.exp(-0.01 * TIMES)), 1.0 / 0.01),
         (along(np.where(TIMES < 4.0, 8.0 * TIMES, 32.0 + 2.0 * (TIMES - 4.0))), math.inf),
     ],
     ids=[
-        "straight", "slowly", "faster and faster", "a bend", "circles", "stands", "rounding", "hovers", "slows",
+        "straight", "slowly", "faster and faster", "a bend", "circles", "stands", "hovers", "slows",
         "hardly slows", "slower now",
     ],
 )  # fmt: skip
 def test_a_vehicle_goes_as_far_as_it_gets(positions: Points, lasts: float) -> None:
-    assert further.remaining(positions, FLIGHTS) == pytest.approx(lasts, rel=0.05)
+    assert further.going(positions, 100, 0.1) == pytest.approx(lasts, rel=0.05)
+
+
+@pytest.mark.parametrize(("speed", "lasts"), [(0.05, math.inf), (0.002, 0.0)])
+def test_a_vehicle_that_creeps_has_come_to_its_goal(speed: float, lasts: float) -> None:
+    came = along(np.concatenate([3.0 * TIMES[:-1], 3.0 * TIMES[-1] + speed * TIMES]))
+    assert further.going(came, 100, 0.1) == lasts
 
 
 @pytest.mark.parametrize("seed", range(5))

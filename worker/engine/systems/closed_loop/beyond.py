@@ -183,7 +183,7 @@ def _extrapolated(flights: Flights, row: Floats, trace: Floats, last: int, below
 
     @cache
     def further() -> float:
-        return remaining(_seen(flights, row, trace, max(halfway, 0), last).positions, flights)
+        return remaining(flights, row, trace, last, max(halfway, 0))
 
     ahead = Ahead(flights, row, trace[last], seen, time, below, so_far)
     for i, obstacle in enumerate(flights.parts.obstacles):

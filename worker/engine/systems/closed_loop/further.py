@@ -13,25 +13,42 @@ import numpy as np
 from worker.engine.systems.base import Floats
 from worker.engine.systems.closed_loop.flights import Flights
 from worker.engine.systems.closed_loop.onward import Path, at_rest
+from worker.engine.systems.closed_loop.trace import Seen
 
 STRAIGHT = 0.5
 """A vehicle that got this fraction of its path away at least goes on; of less, it circles, hovers or turns back."""
+STANDS = 0.01
+"""A vehicle has come to its goal that moved by this fraction of all its path at most in the last half horizon: creeping
+there, it may take any direction."""
+INTERVALS = 100
+"""Of the last half horizon, for which places are compared."""
 
 
-def remaining(positions: Floats, flights: Flights) -> float:
-    """For how long a vehicle would go on with its velocity to get as far as it does [s]: 0 if it stands or keeps about
-    a place, infinite unless it slows down. positions: at the steps of the last half horizon, (n, 3)."""
-    if len(positions) < 2 or at_rest(positions[-2:], flights):
-        return 0.0
-    moved = np.linalg.norm(np.diff(positions, axis=0), axis=1)
-    if np.linalg.norm(positions[-1] - positions[0]) < STRAIGHT * moved.sum():
+def remaining(flights: Flights, row: Floats, trace: Floats, last: int, halfway: int) -> float:
+    """How long the vehicle goes on with the velocity of the last step to get as far as it will [s]; halfway: the step
+    half a horizon before."""
+    every = max(1, (last - halfway) // INTERVALS)
+    each = every * flights.step
+    states = np.ascontiguousarray(trace[last % every : last + 1 : every])
+    places = Seen(flights, flights.loop.observe(states, row, each, 0), row).positions
+    pair = Seen(flights, flights.loop.observe(trace[last - 1 : last + 1], row, flights.step, last - 1), row).positions
+    return 0.0 if at_rest(pair, flights) else going(places, (last - halfway) // every, each)
+
+
+def going(places: Floats, late: int, each: float) -> float:
+    """That, of a vehicle that was at places (n, 3) at equal intervals [s]: 0 if it stands or keeps about a place in the
+    last so many of them, infinite unless it slows down there."""
+    moved = np.linalg.norm(np.diff(places, axis=0), axis=1)
+    before, moved = moved.sum(), moved[-late:]
+    away = np.linalg.norm(places[-1] - places[-1 - len(moved)])
+    if moved.sum() <= STANDS * before or away < STRAIGHT * moved.sum():
         return 0.0
     middle, end = len(moved) // 2, len(moved) - 1
     if not 0 < middle < end or not moved[0] > moved[middle] > moved[end]:
         return math.inf
-    # A speed that falls by the same fraction in every step; by the smaller one of both halves, which gets farther.
+    # A speed that falls by the same fraction in every interval; by the smaller one of both halves, which gets farther.
     first, second = (math.log(moved[a] / moved[b]) / (b - a) for a, b in ((0, middle), (middle, end)))
-    return flights.step / min(first, second)
+    return each / min(first, second)
 
 
 def passing(relative: Floats, velocity: Floats, lasts: float) -> tuple[Floats, Floats]:

@@ -100,20 +100,33 @@ def last(worker: Started) -> str:
 def _struck(site: Site, name: str, fault: Fault) -> tuple[int, Started]:
     """A run and its worker after the blow; a stage that had ended before it is tried again with another run."""
     worker = site.start()
-    if isinstance(fault.at, int):
-        run_id, at = site.begin(), fault.evaluations
-        until(lambda: _running(site, run_id) > at, f"{name}: under way", UNDER_WAY)
-        fault.what(site, worker)
-        return run_id, worker
     for _ in range(ATTEMPTS):
-        run_id = _within(site, fault.at)
-        fault.what(site, worker)
-        if _at(site, run_id, fault.at):
+        if isinstance(fault.at, int):
+            run_id = _beyond(site, name, fault.evaluations)
+            if under_way := site.run(run_id).state != "done":
+                fault.what(site, worker)
+        else:
+            run_id = _within(site, fault.at)
+            fault.what(site, worker)
+            under_way = _at(site, run_id, fault.at)
+        if under_way:
             return run_id, worker
         site.staffed()
         worker = site.workers[-1]
         until(site.ended, f"{name}: ends", PATIENCE)
     raise AssertionError(f"{name}: its stage had ended before it in {ATTEMPTS} runs")
+
+
+def _beyond(site: Site, name: str, evaluations: int) -> int:
+    """A new run with more evaluations than this, or that has ended."""
+    run_id = site.begin()
+
+    def seen() -> bool:
+        found = site.run(run_id)
+        return bool(found.state == "done" or (found.state == "running" and found.evaluations > evaluations))
+
+    until(seen, f"{name}: under way", UNDER_WAY)
+    return run_id
 
 
 def _within(site: Site, kind: str) -> int:
@@ -122,11 +135,6 @@ def _within(site: Site, kind: str) -> int:
     while not _at(site, run_id, kind) and site.run(run_id).state != "done" and time.monotonic() < until_then:
         time.sleep(0.003)
     return run_id
-
-
-def _running(site: Site, run_id: int) -> int:
-    found = site.run(run_id)
-    return int(found.evaluations) if found.state == "running" else -9
 
 
 def _at(site: Site, run_id: int, kind: str) -> bool:

@@ -185,8 +185,8 @@ class Beyond(Result):
     value is the least at the samples of a line."""
     unknown: Annotated[Later | None, UNLESS_NONE] = None
     """The closest one to an obstacle that may come closer: it has states, or neither repeats its path nor ends it, and
-    is neither at rest nor moves away at a constant velocity; or to one that the vehicle is still approaching at the end
-    of all that is followed, and whose threshold it would reach. Its value is that on straight lines."""
+    is neither at rest nor moves away at a constant velocity; or to one by which the criterion would come to the
+    threshold if the vehicle went straight on for longer than it is followed. Its value is that on straight lines."""
 
     @property
     def least(self) -> Later | None:

@@ -23,8 +23,10 @@ from tests.given.case_campaigns import campaign
 from tests.given.reference_in_python import PlainReference
 from tests.physics.scenes import changed
 from worker.engine.reference import compiled, flight, stepper
+from worker.engine.reference.instants import Timetable
 from worker.engine.reference.reference import Reference
 from worker.engine.systems.closed_loop.confirm import Flight
+from worker.running.opening import opened
 
 SMOOTH, SLIDING = 1e-8, 1e-3
 WHOLE = 1e-5
@@ -118,6 +120,15 @@ def test_noise_cached_over_an_interval_and_noise_drawn_at_every_slope_give_the_s
         assert keeping.simulate(vector, seed).cost is not None
         assert keeping.simulate(vector, seed) == drawing.simulate(vector, seed)
     assert keeping.simulate(vector, 1) != keeping.simulate(vector, 2)
+
+
+@pytest.mark.parametrize("horizon", [4.0, 4.1, 4.4, 4.9])
+def test_guidance_is_sampled_in_a_last_period_that_the_horizon_cuts_off(horizon: float) -> None:
+    flights = opened.flights(campaign(scenario__horizon=horizon, scenario__guidance__period=0.5), compiled=False, lanes=1)
+    stretches = Timetable(flights).of(flights.loop.extend(flights.vector({})))
+    sampled = stretches.instants[:-1][stretches.asks]
+    assert sampled == pytest.approx(np.arange(0.0, horizon, 0.5))
+    assert stretches.instants[-1] == horizon
 
 
 def test_the_seed_that_counts_need_not_be_searched_again() -> None:

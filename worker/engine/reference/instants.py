@@ -101,4 +101,5 @@ def _ticks(flights: Flights, horizon: float) -> list[float]:
         if flights.parts.avoider.memory == 0:
             return [k * horizon / STRETCHES for k in range(STRETCHES)] + [horizon]
         period = flights.step
-    return [k * period for k in range(round(horizon / period))] + [horizon]
+    steps, each = round(horizon / flights.step), round(period / flights.step)
+    return [k * period for k in range(-(-steps // each))] + [horizon]

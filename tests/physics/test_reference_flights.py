@@ -124,7 +124,8 @@ def test_noise_cached_over_an_interval_and_noise_drawn_at_every_slope_give_the_s
 
 @pytest.mark.parametrize("horizon", [4.0, 4.1, 4.4, 4.9])
 def test_guidance_is_sampled_in_a_last_period_that_the_horizon_cuts_off(horizon: float) -> None:
-    flights = opened.flights(campaign(scenario__horizon=horizon, scenario__guidance__period=0.5), compiled=False, lanes=1)
+    asked = campaign(scenario__horizon=horizon, scenario__guidance__period=0.5)
+    flights = opened.flights(asked, compiled=False, lanes=1)
     stretches = Timetable(flights).of(flights.loop.extend(flights.vector({})))
     sampled = stretches.instants[:-1][stretches.asks]
     assert sampled == pytest.approx(np.arange(0.0, horizon, 0.5))

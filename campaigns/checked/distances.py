@@ -17,6 +17,12 @@ WHAT_TO_DO = (
 )
 """What a criterion must do that declares another distance than it computes."""
 
+GAP = (
+    "correct its component, so that the gap changes by no more than a place moves: the distance to the surface, or "
+    "less where that is easier to compute"
+)
+"""What an obstacle must do whose gap is larger than the distance."""
+
 
 def clause(campaign: Campaign, catalogue: Catalogue) -> Spans:
     """The clause about distances for the scope of a verdict; empty for a criterion without distances to obstacles."""
@@ -72,6 +78,15 @@ def declaration(campaign: Campaign, catalogue: Catalogue) -> str:
 
 def mismeasured(declared: str, found: Mismeasured, unit: str) -> Spans:
     """The sentence that the criterion does not compute the distance that it declares; unit: that of its value."""
+    if found.overstated:
+        return say(
+            *(f"the gap of obstacle {found.obstacle + 1} is no distance to its surface: it counts as "),
+            *(
+                number(found.value or 0.0, unit, "value", 6),
+                " away at a place where, by its gap nearby, it is at most ",
+            ),
+            *(number(found.distance, "m", "distance", 6), f" away; {GAP}"),
+        )
     value = say("no value") if found.value is None else say("the value ", number(found.value, unit, "value", 4))
     return say(
         *(declared, f", but at a place near obstacle {found.obstacle + 1}, where that distance is "),

@@ -208,6 +208,9 @@ class Mismeasured(Result):
     """That to the nearest obstacle's centre, or to its surface less the radius of the vehicle's body [m]."""
     value: float | None
     """The criterion's value there, in its own unit; null if it has none."""
+    overstated: Annotated[Literal[True] | None, UNLESS_NONE] = None
+    """True if the obstacle's own gap is larger than the distance, which is at most what is stated: a place nearby has a
+    gap that is smaller by more than the two are apart."""
 
 
 class Encounter(Result):
@@ -228,6 +231,9 @@ class Encounter(Result):
     beyond: Annotated[Beyond | None, UNLESS_NONE] = None
     """Omitted for a system that is not simulated on, for a criterion that is not one of obstacles, and in results of
     earlier versions."""
+    begins: Annotated[dict[str, tuple[float, float]], UNLESS_EMPTY] = {}
+    """By path, of faults and the environment: the first and the last instant at which it may begin [s], of those for
+    which the last is after the horizon, or both at its end."""
     mismeasured: Annotated[Mismeasured | None, UNLESS_NONE] = None
     """Omitted for a criterion that computes the distance that it declares, or declares none, and in results of earlier
     versions, which did not compare them."""

@@ -196,6 +196,11 @@ def _mismeasured(folder: Folder) -> None:
     folder.evidence["results"][5]["encounter"]["mismeasured"] = at
 
 
+def _never(folder: Folder) -> None:
+    """A fault that begins after the end of every flight, and a check that holds."""
+    folder.evidence["results"][5]["encounter"]["begins"] = {"faults.0": [1e3, 2e3]}
+
+
 def _approaching(folder: Folder) -> None:
     """An obstacle with states that approaches at the end of what is known of it, and a check that holds."""
     later = {
@@ -475,6 +480,7 @@ FORGERIES: list[Forgery] = [
     Forgery("a closest approach", "cleared", edit(f"{ENCOUNTER}/closest/time", 1.0), "result.encounter.closest"),
     Forgery("an approach of which no more is known", "cleared", _approaching),
     Forgery("a distance that is not computed", "cleared", _mismeasured),
+    Forgery("a fault that no flight has", "cleared", _never),
     Forgery("code of another version", "cleared", _other_code, "result.versions"),
     Forgery("code of another version alone", "cleared", edit("result/versions/code", "0" * 64)),
     Forgery("a probability", "estimated", edit(f"{ESTIMATE_}/probability", 0.001)),

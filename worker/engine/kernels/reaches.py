@@ -15,6 +15,7 @@ import numpy as np
 
 from worker.engine.kernels.bind import plain
 from worker.engine.kernels.component import Obstacle, declared
+from worker.engine.kernels.gaps import Overstated, overstated
 
 Values = Mapping[str, float]
 """The parameters of an obstacle, by name."""
@@ -78,6 +79,22 @@ class Reaches:
             if extent > reach + SLACK * max(1e-3, reach) + rounding:
                 return Exceeded({q.name: values[q.name] for q in declared(obstacle.parameters)}, time, extent, reach)
         return None
+
+    def overstated(self, values: Values, time: float, states: States = ()) -> Overstated | None:
+        """The first gap that is larger than the distance to the surface with these values; None as for an excess."""
+        axes = self._obstacle.dimension
+        try:
+            p = self._constants(values)
+            there = states or (() if self._wake is None else tuple(map(float, self._wake(p))))
+
+            def gap(place: Any) -> float:
+                return float(self._body(time, there, tuple(map(float, place)), p).gap)
+
+            middle = np.array(_centre(self._body(time, there, (0.0,) * axes, p), axes))
+            extent = abs(float(np.linalg.norm(middle)) - gap(np.zeros(axes)))
+            return overstated(gap, middle, extent if 0.0 < extent < math.inf else 1.0)
+        except (ArithmeticError, ValueError, LookupError, AttributeError):
+            return None
 
     def _constants(self, values: Values) -> Any:
         own = self._obstacle.parameters(*(float(values[q.name]) for q in declared(self._obstacle.parameters)))

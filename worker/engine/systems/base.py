@@ -10,7 +10,7 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import Future
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from fractions import Fraction
 from typing import Literal, NamedTuple
 
@@ -126,6 +126,8 @@ class Shown:
     unseen: Unseen
     mismeasured: Mismeasured | None = None
     """Where the criterion does not compute the distance that it declares; None if it does."""
+    begins: Mapping[str, tuple[float, float]] = field(default_factory=dict)
+    """As in `Encounter`."""
 
 
 @dataclass(frozen=True)

@@ -28,7 +28,7 @@ def required_checks(run: Run, agreed: bool) -> dict[str, bool]:
         "agreement": agreement(run),
         system: agreed and compared,
         "evaluations": run.made.failed == 0,
-        "influence": run.calls.influence(run.varies, run.highest - run.lowest),
+        "influence": run.calls.influence(run.varies, run.highest - run.lowest) and not _never(run),
     }
     checks |= _encounter(run) if run.campaign.simulator is None else {}
     if run.wording >= limits.MEASURED and 0 < run.lowest - run.threshold < run.resolution * (1 - 1e-9):
@@ -38,6 +38,12 @@ def required_checks(run: Run, agreed: bool) -> dict[str, bool]:
     if {"closest approach"} <= intended & checks.keys() and not _permitted(run):
         intended -= {"closest approach"}
     return {name: holds or name in intended for name, holds in checks.items()} | _probability(run)
+
+
+def _never(run: Run) -> bool:
+    """Whether a fault, or the environment, begins after the end of every flight."""
+    begins = (run.claims["results"][-1].get("encounter") or {}).get("begins") or {}
+    return any(first >= run.campaign.given_scenario.horizon for first, _ in begins.values())
 
 
 def as_stated(run: Run) -> dict[str, bool]:

@@ -171,10 +171,12 @@ def _unknown(problem: Problem, beyond: Beyond, later: Later) -> Spans:
     until = beyond.times * problem.campaign.given_scenario.horizon if later.until is None else later.until
     known = say(number(until, "s", "known"), "" if later.until is None else ", when the flight fails")
     quantity, value = symbol(problem.quantity), _value(problem, later)
+    straight = not later.vehicle and later.closing > 0
     moves = "the vehicle moves on" if later.vehicle else f"{_obstacle(problem, later)} moves"
     return say(
         *(f"it is not known how {moves} after ", known, ": ", _there(problem, later)),
-        *("; along straight lines ", quantity, " would be ", value, " after another "),
+        *("; ", "along straight lines " if straight else "", quantity),
+        *(" would be " if straight else " could be ", value, " after another "),
         number(later.time, "s", "after", 4),
     )
 
@@ -259,6 +261,8 @@ def _influence(problem: Problem, evidence: Evidence) -> Condition:
     by = varies(evidence, problem.threshold)
     if not by:
         return False, _no_effect(problem, evidence)
+    if never := [path for path, (first, _) in evidence.encounter.begins.items() if first >= _horizon(problem)]:
+        return False, _never(problem, never[0], *evidence.encounter.begins[never[0]])
     measured = evidence.nominal.measured
     if measured is not None and measured.deviation and by <= rules.ABOVE_NOISE.value * measured.deviation:
         noise = number(measured.deviation, unit, "deviation")
@@ -274,6 +278,9 @@ def _influence(problem: Problem, evidence: Evidence) -> Condition:
         more = "" if shown.fewest == shown.most else " or more"
         at = say(" at the ", count(shown.fewest), more, " values of each curve: ")
         statement = say(statement, "; varying these alone has no effect", at, listed(without))
+    for path, (_, last) in evidence.encounter.begins.items():
+        late = say(f"; {_part(problem, path)} begins at ", number(last, "s", "begins", 4), " with some values, ")
+        statement = say(statement, late, "when no flight lasts as long")
     for path, statuses in no_value.items():
         if path not in shown.changing:
             seen = (
@@ -283,6 +290,25 @@ def _influence(problem: Problem, evidence: Evidence) -> Condition:
             )
             statement = say(statement, "; varying ", parameters[path], seen, " along it ", ending(statuses))
     return True, statement
+
+
+def _never(problem: Problem, path: str, first: float, last: float) -> Spans:
+    """That a fault, or the environment, begins after the end of every flight."""
+    then = say(number(first, "s", "first", 4), *(() if first == last else (" to ", number(last, "s", "last", 4))))
+    lasts = say(", and flights last ", number(_horizon(problem), "s", "horizon", 4))
+    return say(
+        f"no evaluation has {_part(problem, path)}: it begins at ", then, lasts, "; begin it earlier, or remove it"
+    )
+
+
+def _horizon(problem: Problem) -> float:
+    return problem.campaign.given_scenario.horizon
+
+
+def _part(problem: Problem, path: str) -> str:
+    kind, _, k = path.partition(".")
+    parts = getattr(problem.campaign.given_scenario, kind)
+    return f"{path} ({(parts[int(k)] if k else parts).component})"
 
 
 def _no_effect(problem: Problem, evidence: Evidence) -> Spans:

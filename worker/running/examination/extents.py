@@ -1,10 +1,13 @@
-"""Checks that the reach of an obstacle covers what its body shows, with every value that its parameters may have."""
+"""Checks that the reach of an obstacle covers what its body shows, with every value that its parameters may have, and
+that no gap is larger than the distance to its surface."""
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Sequence
 
+from campaigns.checked.distances import GAP
 from worker.engine.kernels.component import Obstacle, declared
 from worker.engine.kernels.reaches import Exceeded, Reaches, States, Values, instants, sampled
 from worker.running.examination.mistake import Mistake
@@ -12,6 +15,8 @@ from worker.running.examination.scenes import usual
 
 FEW = 5
 """Instants at which other than the nominal values are checked."""
+SOME = 40
+"""Of the values, so many are checked for the gap."""
 STATED = 4
 """A sentence states at most so many values."""
 
@@ -39,6 +44,21 @@ def check_reach(obstacle: Obstacle, states: Sequence[tuple[float, States]], last
             raise Mistake(_sentence(found, nominal), line)
 
 
+def check_gap(obstacle: Obstacle, line: int) -> None:
+    """Compare the gaps at different places with each other; raises `Mistake`."""
+    nominal = {p.name: usual(p, "obstacles.0") for p in declared(obstacle.parameters)}
+    limits = {p.name: (p.low, p.high) for p in declared(obstacle.parameters)}
+    reaches = Reaches(obstacle)
+    for values in itertools.islice(sampled(nominal, limits), SOME):
+        found = reaches.overstated(values, 0.0) if _ordered(obstacle, values) else None
+        if found is not None:
+            raise Mistake(
+                f"the gap of body is {found.gap:.6g} m{_changed(values, nominal)} at a place where, by the gap nearby, "
+                f"the distance to the surface is at most {found.distance:.6g} m: {GAP}",
+                line,
+            )
+
+
 def _ordered(obstacle: Obstacle, values: Values) -> bool:
     """Whether a campaign may have these values."""
     return all(
@@ -48,11 +68,14 @@ def _ordered(obstacle: Obstacle, values: Values) -> bool:
 
 
 def _sentence(found: Exceeded, nominal: Values) -> str:
-    changed = [f"{name} = {value:g}" for name, value in found.values.items() if value != nominal[name]]
-    more = ["..."] if len(changed) > STATED else []
-    values = ", ".join([*changed[:STATED], *more]) or "the nominal values"
     when = f" at t = {found.time:g} s" if found.time else ""
     return (
-        f"reach is {found.reach:g} m with {values}{when}, and a point of its surface is {found.extent:.4g} m from the "
-        "centre that body reports: give the largest such distance"
+        f"reach is {found.reach:g} m{_changed(found.values, nominal)}{when}, and a point of its surface is "
+        f"{found.extent:.4g} m from the centre that body reports: give the largest such distance"
     )
+
+
+def _changed(values: Values, nominal: Values) -> str:
+    changed = [f"{name} = {value:g}" for name, value in values.items() if value != nominal[name]]
+    more = ["..."] if len(changed) > STATED else []
+    return f" with {', '.join([*changed[:STATED], *more]) or 'the nominal values'}"

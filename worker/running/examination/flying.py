@@ -19,7 +19,7 @@ from worker.engine.kernels.layout import Parts, states
 from worker.engine.kernels.text.names import UnnamedError
 from worker.engine.systems.closed_loop.assemble import Loop
 from worker.running.examination.blame import mistake
-from worker.running.examination.extents import check_reach
+from worker.running.examination.extents import check_gap, check_reach
 from worker.running.examination.kernels import Slot, kernels
 from worker.running.examination.mistake import Mistake
 from worker.running.examination.reading import Source
@@ -45,6 +45,7 @@ def flown(component: Component, source: Source, own: Own) -> Calls:
             trace = _fly(component, parts, source, calls)
         if isinstance(component, Obstacle):
             check_reach(component, _states(component, parts, trace), STEP * LONG, source.line_of("reach"))
+            check_gap(component, source.line_of("body"))
     for slot in kernels(component):
         if isinstance(component, Obstacle) and slot.field == "body" and _code(slot.function) in calls:
             values = {p.name: usual(p, "obstacles.0") for p in declared(component.parameters)}

@@ -80,3 +80,29 @@ def test_what_changes_it_is_simulated(other: Campaign) -> None:
     seen(changed())
     assert seen(other) == alone
     assert encounter._flown.cache_info().misses == 2
+
+
+GUST = {"component": "discrete_gust", "parameters": {"at": 9.0}}
+
+
+def stuck(at: float, over: float = 0.0, **uncertain: Any) -> Campaign:
+    fault = {"component": "hard_over", "on": "torque", "parameters": {"at": at, "over": over}}
+    kept = load_file(library()["unicycle_static"]).document()["uncertain"]
+    return changed(faults=[{"component": "sensor_noise"}, fault], uncertain=kept | uncertain)
+
+
+@pytest.mark.parametrize(
+    ("campaign", "begins"),
+    [
+        (stuck(1.0), {}),
+        (stuck(1.9, over=5.0), {}),
+        (stuck(2.0), {"faults.1": (2.0, 2.0)}),
+        (stuck(34.0), {"faults.1": (34.0, 34.0)}),
+        (stuck(1.0, **{"faults.1.at": {"low": 0.5, "high": 2.0}}), {}),
+        (stuck(1.0, **{"faults.1.at": {"low": 0.5, "high": 5.0}}), {"faults.1": (0.5, 5.0)}),
+        (stuck(4.0, **{"faults.1.at": {"low": 3.0, "high": 5.0}}), {"faults.1": (3.0, 5.0)}),
+        (changed(environment=[GUST]), {"environment.0": (9.0, 9.0)}),
+    ],
+)  # fmt: skip
+def test_what_begins_only_after_the_horizon_is_named(campaign: Campaign, begins: dict[str, Any]) -> None:
+    assert encounter.late(opened.flights(campaign, compiled=False, lanes=1)) == begins

@@ -103,13 +103,40 @@ def along(x: Points, y: Points | float = 0.0) -> Points:
     ],
 )  # fmt: skip
 def test_a_vehicle_goes_as_far_as_it_gets(positions: Points, lasts: float) -> None:
-    assert further.going(positions, 100, 0.1) == pytest.approx(lasts, rel=0.05)
+    assert further.going(positions, 100, 0.1).lasts == pytest.approx(lasts, rel=0.05)
 
 
 @pytest.mark.parametrize(("speed", "lasts"), [(0.05, math.inf), (0.002, 0.0)])
 def test_a_vehicle_that_creeps_has_come_to_its_goal(speed: float, lasts: float) -> None:
     came = along(np.concatenate([3.0 * TIMES[:-1], 3.0 * TIMES[-1] + speed * TIMES]))
-    assert further.going(came, 100, 0.1) == lasts
+    assert further.going(came, 100, 0.1).lasts == lasts
+
+
+@pytest.mark.parametrize(
+    ("positions", "about"),
+    [
+        (along(np.sin(3.0 * TIMES), np.cos(3.0 * TIMES)), 2.0),
+        (along(5.0 * np.sin(9.0 * TIMES)), 5.0 + 5.0 * math.sin(90.0)),
+        (along(3.0 * TIMES), 0.0),
+        (along(5.0 + 0.0 * TIMES), 0.0),
+    ],
+    ids=["circles", "to and fro", "straight", "stands"],
+)
+def test_one_that_keeps_moving_about_a_place_may_be_anywhere_there(positions: Points, about: float) -> None:
+    assert further.going(positions, 100, 0.1).about == pytest.approx(about, rel=0.01, abs=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("positions", "turned"),
+    [
+        (along(3.0 * TIMES), 0.0),
+        (along(10.0 * np.sin(0.1 * TIMES), 10.0 * np.cos(0.1 * TIMES)), 0.99),
+        (along(np.where(TIMES < 4.0, TIMES, 4.0), np.where(TIMES < 4.0, 0.0, TIMES - 4.0)), math.pi / 2.0),
+    ],
+    ids=["straight", "a bend", "a corner"],
+)
+def test_by_how_much_a_vehicle_turned(positions: Points, turned: float) -> None:
+    assert further.going(positions, 100, 0.1).turned == pytest.approx(turned, abs=1e-7, rel=0.01)
 
 
 @pytest.mark.parametrize("seed", range(5))
@@ -124,3 +151,37 @@ def test_nothing_of_a_path_that_repeats_is_closer_than_is_found(seed: int) -> No
     found, _ = further.after(path, begin, velocity, lasts)
     assert found <= true
     assert found == pytest.approx(true, abs=0.2)
+
+
+def nearest(one: Points, other: Points) -> float:
+    return float(np.linalg.norm(one[:, None] - other, axis=2).min())
+
+
+@pytest.mark.parametrize("seed", range(20))
+@pytest.mark.parametrize("lasts", [2.0, math.inf])
+def test_an_obstacle_may_stop_anywhere_on_its_line(seed: int, lasts: float) -> None:
+    relative, velocity, drift = np.random.default_rng(seed).normal(size=(3, 3))
+    along_own = np.linspace(0.0, min(lasts, 40.0), 800)[:, None] * velocity
+    along_its = relative + np.linspace(0.0, 40.0, 800)[:, None] * drift
+    found, time = further.crossing(relative, velocity, lasts, drift)
+    assert 0.0 <= time <= lasts
+    assert found <= nearest(along_own, along_its) <= found + 0.1
+
+
+@pytest.mark.parametrize("seed", range(20))
+@pytest.mark.parametrize("turned", [0.0, 0.3, 2.0])
+def test_one_that_turned_may_turn_on_at_that_rate(seed: int, turned: float) -> None:
+    """In the plane: no path with that speed, whose direction stays within what it may have turned to, comes nearer."""
+    random, times = np.random.default_rng(seed), np.linspace(0.0, 8.0, 801)
+    there, velocity = random.normal(0.0, 20.0, 2), random.normal(0.0, 3.0, 2)
+    relative = np.tile([*there, 0.0], (len(times), 1))
+    found, _ = further.turning(relative, np.array([*velocity, 0.0]), turned, 4.0, times)
+    for _ in range(50):
+        most = turned * (1.0 + times[:-1] / 4.0)
+        directions = np.arctan2(velocity[1], velocity[0]) + most * np.sin(
+            random.normal() * times[:-1] + random.normal()
+        )
+        speed = np.linalg.norm(velocity) * random.uniform(0.2, 1.0)
+        moved = speed * 0.01 * np.stack([np.cos(directions), np.sin(directions)], axis=1)
+        path = np.concatenate([np.zeros((1, 2)), np.cumsum(moved, axis=0)])
+        assert np.linalg.norm(path - there, axis=1).min() >= found - 0.1

@@ -136,6 +136,25 @@ def unseen(cost: float | None, reason: str = "") -> Unseen:
             "last sample, closing at 0.998 m/s; along straight lines d_min would be 0.69 m after another 1.2 s; len",
         ),
         (
+            met(
+                beyond=Beyond(
+                    times=2.0, flights=302, closer=0, lowest=None, unknown=later(simulated=False, vehicle=True)
+                )
+            ),
+            "closest approach",
+            "it is not known how the vehicle moves on after 30 s: F1 is 1.5 m from obstacle 1 (Circle) at the "
+            "last sample, closing at 0.998 m/s; d_min could be 0.69 m after another 1.2 s; len",
+        ),
+        (
+            met(
+                beyond=Beyond(
+                    times=2.0, flights=302, closer=0, lowest=None, unknown=later(simulated=False, closing=-0.5)
+                )
+            ),
+            "closest approach",
+            "last sample, moving away at 0.5 m/s; d_min could be 0.69 m after another 1.2 s; len",
+        ),
+        (
             met(beyond=Beyond(times=2.0, flights=302, cut_short=1, closer=300, lowest=later())), "closest approach",
             "300 of 302 flights come closer beyond the horizon (1 of them fails after it, before 30 s) than any eval",
         ),
@@ -251,6 +270,20 @@ ON = "when simulated on to 30 s"
         (
             "influence", True, along({"m": 0.1}, J=["failed"]),
             "over the evaluations; varying vehicle.J alone has no known effect: evaluations along it fail",
+        ),
+        (
+            "influence", True, met(begins={"vehicle": (3.0, 40.0)}),
+            "; vehicle (unicycle) begins at 40 s with some values, when no flight lasts as long",
+        ),
+        (
+            "influence", False, met(begins={"vehicle": (30.0, 40.0)}),
+            "no evaluation has vehicle (unicycle): it begins at 30 s to 40 s, and flights last 15 s; begin it earlier, "
+            "or remove it",
+        ),
+        (
+            "influence", False, met(begins={"vehicle": (15.0, 15.0)}),
+            "no evaluation has vehicle (unicycle): it begins at 15 s, and flights last 15 s; begin it earlier, or "
+            "remove it",
         ),
         (
             "influence", False, met(spread=FLAT),

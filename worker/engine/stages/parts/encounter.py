@@ -39,6 +39,7 @@ def encounter(
         closest=ClosestApproach() if shown is None else shown.closest,
         moved=None if shown is None else shown.moved,
         unseen=None if shown is None else shown.unseen,
+        begins={} if shown is None else dict(shown.begins),
         mismeasured=None if shown is None else shown.mismeasured,
         spread=spread,
         influence=influence(curves),

@@ -9,7 +9,7 @@ the vehicle would come to the threshold even later, what comes is not known (`fu
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from functools import cache
 from typing import NamedTuple, Self
 
@@ -19,27 +19,16 @@ from campaigns.limits import CONTINUED
 from campaigns.results.validate import Beyond, Later
 from worker.engine.kernels import loop as closed_loop
 from worker.engine.systems.base import Floats, Stopping
-from worker.engine.systems.closed_loop.ahead import SAME, Ahead, Leg
+from worker.engine.systems.closed_loop.ahead import Ahead
+from worker.engine.systems.closed_loop.ending import Approach, End, by_value
 from worker.engine.systems.closed_loop.flights import Flights
-from worker.engine.systems.closed_loop.further import after, passing, remaining
-from worker.engine.systems.closed_loop.onward import Motion, Onward, Path, leaves, motion
+from worker.engine.systems.closed_loop.further import Remaining, remaining
+from worker.engine.systems.closed_loop.onward import Motion, Onward, motion
 from worker.engine.systems.closed_loop.trace import Seen
-from worker.engine.systems.closed_loop.uniform import pivots, uniform
+from worker.engine.systems.closed_loop.uniform import uniform
 
 MEMORY = 2**23
 """The states of the flights that are simulated at a time may take this many bytes."""
-
-
-class Approach(NamedTuple):
-    """An approach after the horizon: the criterion's value, the obstacle, and the time after the horizon [s]; of one
-    that is simulated the latter two are not known yet. known: False if the obstacle may come closer than that, or if
-    it depends on how the vehicle moves on (vehicle)."""
-
-    value: float = math.inf
-    obstacle: int | None = None
-    time: float = 0.0
-    known: bool = True
-    vehicle: bool = False
 
 
 class Continued(NamedTuple):
@@ -79,8 +68,8 @@ def met(
     found = _continued(flights, rows, below, cancelled)
     if found is None:
         return None
-    lowest = [min((a for a in each.approaches if a.known), key=_value, default=Approach()) for each in found]
-    open_ = [min((a for a in each.approaches if not a.known), key=_value, default=Approach()) for each in found]
+    lowest = [min((a for a in each.approaches if a.known), key=by_value, default=Approach()) for each in found]
+    open_ = [min((a for a in each.approaches if not a.known), key=by_value, default=Approach()) for each in found]
     return Beyond(
         times=CONTINUED,
         flights=len(rows),
@@ -89,10 +78,6 @@ def met(
         lowest=_lowest(flights, called, rows, found, lowest),
         unknown=_lowest(flights, called, rows, found, open_),
     )
-
-
-def _value(approach: Approach) -> float:
-    return approach.value
 
 
 def _lowest(
@@ -182,180 +167,40 @@ def _extrapolated(flights: Flights, row: Floats, trace: Floats, last: int, below
         return lowest
 
     @cache
-    def further() -> float:
+    def further() -> Remaining:
         return remaining(flights, row, trace, last, max(halfway, 0))
 
     ahead = Ahead(flights, row, trace[last], seen, time, below, so_far)
-    for i, obstacle in enumerate(flights.parts.obstacles):
+    for i in range(len(flights.parts.obstacles)):
         closing = bool(seen.deciding[1, i] < seen.deciding[0, i])
         centres = np.concatenate([begun.centres[:1, i], before.centres[:, i], seen.centres[:, i]])
         onward = Onward(flights, row, trace[last], time, i)
         moves = motion(onward, centres, closing)
-        end = _End(flights, seen, i, last, ahead, below, further)
-        if moves.kind == "followed":
-            yield from end.followed(onward, moves)
-            continue
-        if moves.kind == "straight" and obstacle.moving and not obstacle.states and not uniform(ahead, onward):
-            moves = Motion("unknown")
-        straight = [*end.straight(closing)] if closing or not obstacle.states else []
-        yield from straight
-        if moves.kind == "unknown":
-            yield min([end.here, *straight], key=_value)._replace(known=False, vehicle=False)
+        end = End(flights, seen, i, last, ahead, below, further)
+        found = [*_met(end, onward, moves, closing)]
+        yield from found
+        if all(each.value > flights.threshold for each in found):
+            yield from end.turning(onward, moves)
+
+
+def _met(end: End, onward: Onward, moves: Motion, closing: bool) -> Iterator[Approach]:
+    """The approaches to one obstacle of a vehicle that stops or goes straight on."""
+    obstacle = end.flights.parts.obstacles[end.obstacle]
+    if moves.kind == "followed":
+        yield from end.followed(onward, moves)
+        return
+    if moves.kind == "straight" and obstacle.moving and not obstacle.states and not uniform(end.ahead, onward):
+        moves = Motion("unknown")
+    straight = [*(end.straight(closing) if closing or not obstacle.states else end.stopping())]
+    yield from straight
+    if moves.kind == "unknown":
+        yield min([end.here, *straight], key=by_value)._replace(known=False, vehicle=False)
 
 
 def _measures(flights: Flights) -> bool:
     """Whether the criterion is one of distances to obstacles; the first instant of something cannot come later."""
     criterion = flights.parts.criterion
     return criterion.measured_to in ("centre", "surface") and criterion.over != "crossing"
-
-
-class _End(NamedTuple):
-    """The last sample of a flight, and the obstacle of which the approaches follow. below: the lowest value of the
-    evaluations; further: how long the vehicle goes on [s]."""
-
-    flights: Flights
-    seen: Seen
-    obstacle: int
-    last: int
-    ahead: Ahead
-    below: float
-    further: Callable[[], float]
-
-    @property
-    def since(self) -> float:
-        """The time after the horizon [s]."""
-        return self.last * self.flights.step - self.horizon
-
-    @property
-    def horizon(self) -> float:
-        return self.flights.campaign.given_scenario.horizon
-
-    @property
-    def own(self) -> Floats:
-        """The velocity of the vehicle."""
-        moved: Floats = (self.seen.positions[1] - self.seen.positions[0]) / self.flights.step
-        return moved
-
-    @property
-    def here(self) -> Approach:
-        """The criterion's value at the last sample; where that is not finite, the distance that it declares, and not
-        known: whether anything comes below it cannot be compared."""
-        value = self.ahead.value(self.obstacle, float(self.seen.deciding[1, self.obstacle]))
-        known = math.isfinite(value)
-        return Approach(value if known else self.ahead.declared(self.obstacle), self.obstacle, self.since, known)
-
-    def legs(self, lasts: float) -> tuple[Leg, Leg, Leg]:
-        """Those of a vehicle that stops, and of one that goes on for a horizon and then stops; lasts: how long they are
-        followed, at least a horizon."""
-        place, still = self.seen.positions[1], np.zeros(3)
-        there = place + self.horizon * self.own
-        going, ends = Leg(0.0, self.horizon, place, self.own), Leg(self.horizon, lasts - self.horizon, there, still)
-        return Leg(0.0, lasts, place, still), going, ends
-
-    def straight(self, closing: bool) -> Iterator[Approach]:
-        """The approach of an obstacle at rest, of one that moves straight on, and of one with states as if it did."""
-        i, obstacle = self.obstacle, self.flights.parts.obstacles[self.obstacle]
-        if closing:
-            yield self.here
-        drift = (self.seen.centres[1, i] - self.seen.centres[0, i]) / self.flights.step if obstacle.states else None
-        stops, goes, ends = self.legs(math.inf)
-        yield from self._closer((stops,), drift) if obstacle.moving else ()
-        reached = [*self._closer((goes,), drift)]
-        yield from (self._judged(each, self._onward(drift)) if self._cut(each) else each for each in reached)
-        if obstacle.moving:  # what it has reached is not the lowest where it stops if it would go on
-            yield from (each for each in self._closer((ends,), drift) if _lower(each, reached))
-
-    def followed(self, onward: Onward, moves: Motion) -> Iterator[Approach]:
-        """The approach of an obstacle whose path is known, for as long as it is."""
-        path, here = onward.path(moves), self.seen.positions[1]
-        extent = self.ahead.extent(self.obstacle)
-        if extent is None or self.ahead.leans(self.obstacle, here, here + self.horizon * self.own):
-            closer = [*self._exactly(path)]
-            found = [self.here, *closer]
-        else:
-            found = [*self._bounded(onward, path, extent)]
-            closer = [each for each in found if each.value < float(np.linalg.norm(path.centres[0] - here)) - extent]
-        yield from closer
-        known = path.whole or leaves(path, here)
-        if path.rests:
-            known = uniform(self.ahead, onward, float(path.times[-1]), rests=True) if path.whole else False
-        if path.still and not path.whole and moves.lasts and not moves.corners:
-            known = pivots(self.ahead, onward, moves.lasts)
-        if not known:
-            yield min(found, key=_value)._replace(known=False, vehicle=False)
-
-    def _cut(self, approach: Approach) -> bool:
-        """Whether an approach of a vehicle that goes on is later than it is followed, or at the end of that."""
-        return approach.known and approach.time - self.since >= self.horizon * (1.0 - SAME)
-
-    def _onward(self, drift: Floats | None) -> Approach:
-        """The approach of a vehicle that goes straight on for as far as it gets."""
-        lasts = self.further()
-        value, after = self.ahead.lowest(self.obstacle, Leg(0.0, math.inf, self.seen.positions[1], self.own), drift)
-        if after > lasts:
-            value, after = self.ahead.lowest(self.obstacle, Leg(0.0, lasts, self.seen.positions[1], self.own), drift)
-        return Approach(value, self.obstacle, self.since + after)
-
-    def _judged(self, reached: Approach, further: Approach) -> Approach:
-        """What is stated of a vehicle that is followed to one approach, and has another one if it goes farther: that it
-        is not known what comes, where this is lower than the evaluations or comes to the threshold."""
-        if not self._cut(further) or not further.value < reached.value:
-            return reached
-        if reached.value <= self.flights.threshold:
-            return further if reached.value < self.below else reached
-        meets = further.value <= self.flights.threshold and further.value < self.below
-        if meets or reached.value < self.below:
-            return further._replace(known=False, vehicle=True)
-        return further if further.value >= self.below else reached
-
-    def _closer(self, legs: Sequence[Leg], drift: Floats | None) -> Iterator[Approach]:
-        """The approaches on some lines, as far as they are closer than the last sample."""
-        here = self.here
-        for leg in legs:
-            value, after = self.ahead.lowest(self.obstacle, leg, drift)
-            if not math.isfinite(value):
-                yield here._replace(known=False)
-            elif value < here.value or not here.known:
-                yield Approach(value, self.obstacle, self.since + after)
-
-    def _exactly(self, path: Path) -> Iterator[Approach]:
-        """The approaches by the criterion itself, at every step of a path that is followed."""
-        lasts = float(path.times[-1])
-        stops, goes, ends = self.legs(lasts)
-        yield from self._closer((stops,), None)
-        reached = [*self._closer((goes, ends), None)]
-        there, on = self.seen.positions[1] + lasts * self.own, self.further()
-        legs = [goes._replace(lasts=min(lasts, on))]
-        if on > lasts:
-            # Where it repeats, past all of it and for a turn more.
-            passed = float(passing(path.centres - there, self.own, math.inf)[1].max()) + lasts
-            legs.append(Leg(lasts, min(passed if path.repeats else math.inf, on - lasts), there, self.own))
-        further = [*self._closer(legs, None)] if on > self.horizon else []
-        lowest = min(reached, key=_value, default=self.here)
-        yield from reached if not further else [self._judged(lowest, min(further, key=_value))]
-
-    def _bounded(self, onward: Onward, path: Path, extent: float) -> Iterator[Approach]:
-        """The approaches by the distances to a centre, which have a bound within every interval of its path."""
-        place, below, lasts, on = self.seen.positions[1], self.below + extent, float(path.times[-1]), self.further()
-
-        def approach(distance: float, after: float) -> Approach:
-            return Approach(distance - extent, self.obstacle, self.since + after)
-
-        stands = path.begun(lasts - self.horizon) if path.repeats else path
-        yield approach(*onward.nearest(stands, place, np.zeros(3), 0.0, below))
-        reached = approach(*onward.nearest(path, place, self.own, self.horizon, below))
-        if on > self.horizon:
-            further = [approach(*onward.nearest(path, place, self.own, on, below))]
-            if on > lasts:
-                distance, later = after(path, place + lasts * self.own, self.own, on - lasts)
-                further.append(approach(distance, lasts + later))
-            reached = self._judged(reached, min(further, key=_value))
-        yield reached
-
-
-def _lower(approach: Approach, others: Sequence[Approach]) -> bool:
-    """Whether an approach is lower than others, or not known."""
-    return not approach.known or all(approach.value < other.value for other in others)
 
 
 def _later(flights: Flights, name: str, row: Floats, continued: Continued, approach: Approach) -> Later:

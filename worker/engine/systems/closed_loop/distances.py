@@ -1,4 +1,5 @@
-"""Compares the distance that a criterion of obstacles declares with what it computes, at places about every obstacle.
+"""Compares the distance that a criterion of obstacles declares with what it computes, at places about every obstacle,
+and the gaps that surfaces have at different places with each other.
 
 Start reading at `compared`.
 """
@@ -12,6 +13,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from campaigns.results.validate import Mismeasured
+from worker.engine.kernels.gaps import overstated
 from worker.engine.kernels.layout import Parts
 from worker.engine.systems.base import Floats
 from worker.engine.systems.closed_loop.assemble import Loop
@@ -81,10 +83,26 @@ class _Compared:
             centre, gap = np.array(_centre(body, self._axes)), float(body.gap)
             extent = abs(float(np.linalg.norm(centre)) - gap)
             extent = extent if math.isfinite(extent) and extent > SAME else 1.0
+            yield from self._overstated(obstacle, centre, extent)
             for direction in DIRECTIONS if np.isfinite(centre).all() else ():
                 line = np.array(direction[: self._axes])
                 for half in EXTENTS:
                     yield from self._on(obstacle, centre - half * extent * line, half * extent * line)
+
+    def _overstated(self, obstacle: int, centre: Floats, extent: float) -> Iterator[Mismeasured]:
+        """That its gap is larger than the distance to its surface."""
+        if not self._surface or not np.isfinite(centre).all():
+            return
+        found = overstated(lambda place: float(self._bodies(place)[obstacle].gap), centre, extent)
+        if found is not None:
+            yield Mismeasured(
+                obstacle=obstacle,
+                time=self._instant.time,
+                position=[*map(float, found.place)],
+                distance=found.distance - self._less,
+                value=found.gap - self._less,
+                overstated=True,
+            )
 
     def _on(self, obstacle: int, begin: Floats, half: Floats) -> Iterator[Mismeasured]:
         """The differences at equal intervals of a line; half: the vector to its middle."""

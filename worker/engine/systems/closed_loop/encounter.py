@@ -12,6 +12,8 @@ from campaigns.asked.scenario import FaultPart
 from campaigns.results.finding import ClosestApproach
 from campaigns.results.validate import Unseen
 from campaigns.stored.records import Trace
+from worker.engine.kernels.component import Environment, Fault
+from worker.engine.kernels.reaches import sampled
 from worker.engine.systems.base import Floats, Shown
 from worker.engine.systems.closed_loop.distances import in_flights
 from worker.engine.systems.closed_loop.flights import Flights
@@ -29,7 +31,27 @@ def shown(flights: Flights, nominal: Trace) -> Shown:
         _moved(nominal),
         _unseen(flights.campaign, flights.installed, nominal),
         in_flights(flights),
+        late(flights),
     )
+
+
+def late(flights: Flights) -> dict[str, tuple[float, float]]:
+    """By path, the first and the last instant at which a fault or the environment may begin [s], of those for which the
+    last is after the horizon, or both at its end: at the ends and corners of its own bounds, and some values within."""
+    found, uncertain, horizon = {}, flights.campaign.uncertain, flights.campaign.given_scenario.horizon
+    for prefix, part in flights.parts.named.items():
+        if not isinstance(part, Fault | Environment) or part.switches is None:
+            continue
+        at, paths = flights.loop.extended[prefix], {path for path in flights.paths if path.startswith(f"{prefix}.")}
+        nominal = {path: float(flights.nominal[flights.paths[path]]) for path in paths}
+        bounds = {path: uncertain[path].interval(nominal[path]) for path in paths & uncertain.keys()}
+        rows = (flights.loop.extend(flights.vector(values)) for values in sampled(nominal, bounds))
+        switches = [part.switches(at.fields(*p[at.first : at.last]), horizon) for p in rows]
+        begins = [min(each) for each in switches if each]
+        first, last = (min(begins), max(begins)) if len(begins) == len(switches) else (0.0, max(begins, default=0.0))
+        if last > horizon or first == horizon:
+            found[prefix] = (first, last)
+    return found
 
 
 def _moved(flight: Trace) -> float | None:

@@ -1,12 +1,14 @@
 """How far a vehicle gets on its straight line after the last sample, and how near that comes to where obstacles are.
 
 A flight is followed straight on for one horizon. What lies farther ahead is met as well, unless the vehicle stands,
-keeps about a place, or slows down to a stop before. Start reading at `remaining`.
+keeps about a place, or slows down to a stop before. One that keeps moving about a place may be anywhere there when an
+obstacle comes. Start reading at `remaining`.
 """
 
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 
@@ -24,31 +26,86 @@ INTERVALS = 100
 """Of the last half horizon, for which places are compared."""
 
 
-def remaining(flights: Flights, row: Floats, trace: Floats, last: int, halfway: int) -> float:
-    """How long the vehicle goes on with the velocity of the last step to get as far as it will [s]; halfway: the step
-    half a horizon before."""
+GROWS = 2.0
+"""What turns may turn on at that rate for so many horizons."""
+MOMENTS = 1000
+"""Of these."""
+
+
+class Remaining(NamedTuple):
+    """lasts: how long the vehicle goes on with the velocity of the last step to get as far as it will [s]; about: how
+    far from its last place it may be later, where it keeps moving about that [m]; turned: the largest angle between its
+    last velocity and those in the last half horizon [rad]."""
+
+    lasts: float = 0.0
+    about: float = 0.0
+    turned: float = 0.0
+
+
+def remaining(flights: Flights, row: Floats, trace: Floats, last: int, halfway: int) -> Remaining:
+    """That of a flight until its last step; halfway: the step half a horizon before."""
     every = max(1, (last - halfway) // INTERVALS)
     each = every * flights.step
     states = np.ascontiguousarray(trace[last % every : last + 1 : every])
     places = Seen(flights, flights.loop.observe(states, row, each, 0), row).positions
     pair = Seen(flights, flights.loop.observe(trace[last - 1 : last + 1], row, flights.step, last - 1), row).positions
-    return 0.0 if at_rest(pair, flights) else going(places, (last - halfway) // every, each)
+    return Remaining() if at_rest(pair, flights) else going(places, (last - halfway) // every, each)
 
 
-def going(places: Floats, late: int, each: float) -> float:
-    """That, of a vehicle that was at places (n, 3) at equal intervals [s]: 0 if it stands or keeps about a place in the
-    last so many of them, infinite unless it slows down there."""
+def going(places: Floats, late: int, each: float) -> Remaining:
+    """That of a vehicle that was at places (n, 3) at equal intervals [s]: it goes nowhere if it stands or keeps about a
+    place in the last so many of them, on for ever unless it slows down there."""
     moved = np.linalg.norm(np.diff(places, axis=0), axis=1)
     before, moved = moved.sum(), moved[-late:]
-    away = np.linalg.norm(places[-1] - places[-1 - len(moved)])
-    if moved.sum() <= STANDS * before or away < STRAIGHT * moved.sum():
-        return 0.0
+    away = np.linalg.norm(places[-1] - places[-1 - len(moved) :], axis=1)
+    if moved.sum() <= STANDS * before:
+        return Remaining()
+    if away[0] < STRAIGHT * moved.sum():
+        return Remaining(about=float(away.max()))
+    turned = _turned(places[-1 - len(moved) :])
     middle, end = len(moved) // 2, len(moved) - 1
     if not 0 < middle < end or not moved[0] > moved[middle] > moved[end]:
-        return math.inf
+        return Remaining(math.inf, turned=turned)
     # A speed that falls by the same fraction in every interval; by the smaller one of both halves, which gets farther.
     first, second = (math.log(moved[a] / moved[b]) / (b - a) for a, b in ((0, middle), (middle, end)))
-    return each / min(first, second)
+    return Remaining(each / min(first, second), turned=turned)
+
+
+def _turned(places: Floats) -> float:
+    moved = np.diff(places, axis=0)
+    lengths = np.linalg.norm(moved, axis=1)
+    along = moved[lengths > 0.0] @ moved[-1] / (lengths[lengths > 0.0] * lengths[-1])
+    return float(np.arccos(np.clip(along, -1.0, 1.0)).max())
+
+
+def turning(relative: Floats, velocity: Floats, turned: float, half: float, times: Floats) -> tuple[float, float]:
+    """The smallest distance of places (n, 3) at some times [s] from anywhere that a vehicle may be then, and when;
+    half: the time in which it turned by that angle [s], as it may again."""
+    speed, there = float(np.linalg.norm(velocity)), np.linalg.norm(relative, axis=1)
+    angles = np.arccos(np.clip(relative @ velocity / np.maximum(there * speed, 1e-300), -1.0, 1.0))
+    aside = np.clip(angles - turned * (1.0 + times / half), 0.0, 0.5 * np.pi)
+    # The nearest place of a sector: on its edge, at its tip or its rim.
+    gone = np.clip(there * np.cos(aside), 0.0, speed * times)
+    found = np.sqrt(np.maximum(there**2 + gone**2 - 2.0 * there * gone * np.cos(aside), 0.0))
+    k = int(np.argmin(found))
+    return float(found[k]), float(times[k])
+
+
+def crossing(relative: Floats, velocity: Floats, lasts: float, drift: Floats) -> tuple[float, float]:
+    """The smallest distance of what moves straight on for a while from anywhere on the line that something there goes
+    along, and when [s]."""
+    # The nearest points of a segment and a ray: both inside, or one at an end.
+    u2, w2, uw = float(velocity @ velocity), float(drift @ drift), float(velocity @ drift)
+    ur, wr = float(velocity @ relative), float(drift @ relative)
+    ends = [0.0, *([lasts] if math.isfinite(lasts) else [])]
+    times = [(s, max(0.0, (s * uw - wr) / w2) if w2 else 0.0) for s in ends]
+    times.append((min(max(ur / u2, 0.0), lasts) if u2 else 0.0, 0.0))
+    determinant = u2 * w2 - uw * uw
+    if determinant > 1e-12 * u2 * w2:
+        s, t = (ur * w2 - wr * uw) / determinant, (ur * uw - wr * u2) / determinant
+        times += [(s, t)] if 0.0 <= s <= lasts and t >= 0.0 else []
+    found = [(float(np.linalg.norm(relative + t * drift - s * velocity)), s) for s, t in times]
+    return min(found)
 
 
 def passing(relative: Floats, velocity: Floats, lasts: float) -> tuple[Floats, Floats]:

@@ -18,7 +18,7 @@ from backend.db.access import Visitor
 from backend.db.engine import now, read
 from backend.db.tables import Run, Sweep, SweepRun
 from backend.http import keys
-from backend.http.errors import not_found
+from backend.http.errors import existing
 from backend.http.keys import Keyed
 from backend.runs import edits
 from backend.runs.outcomes import outcomes
@@ -52,10 +52,7 @@ class Submission:
 
 def number(sweep: str) -> int:
     """The number of a sweep from its name, S-0001; 404 for anything else."""
-    found = sweep_number(sweep)
-    if found is None:
-        raise not_found("sweep", sweep)
-    return found
+    return existing(sweep_number(sweep), "sweep", sweep)
 
 
 def submit(engine: sa.Engine, submission: Submission, visitor: Visitor, key: str | None, quota: Quota) -> SweepDetail:
@@ -144,9 +141,8 @@ def listed(reader: sa.Connection, limit: int) -> list[SweepSummary]:
 
 def detail(reader: sa.Connection, sweep_id: int) -> SweepDetail:
     """One sweep with the outcomes of its runs, or 404."""
-    row = reader.execute(sa.select(Sweep.__table__).where(Sweep.id == sweep_id)).mappings().one_or_none()
-    if row is None:
-        raise not_found("sweep", sweep_name(sweep_id))
+    found = reader.execute(sa.select(Sweep.__table__).where(Sweep.id == sweep_id)).mappings().one_or_none()
+    row = existing(found, "sweep", sweep_name(sweep_id))
     of = sa.select(SweepRun.value, SweepRun.run_id).where(SweepRun.sweep_id == sweep_id).order_by(SweepRun.value)
     members = reader.execute(of).all()
     known = {found.id: found for found in outcomes(reader, [Run.id.in_([member.run_id for member in members])])}

@@ -85,7 +85,8 @@ def replace(engine: sa.Engine, draft_id: int, new: DraftReplace, visitor: Visito
         if match is not None:
             require_match(match, etag(one(writer, draft_id)), name(draft_id))
         if new.run is not None:
-            values["run_id"] = _run(writer, new.run)
+            of = sa.select(Run.id).where(Run.id == service.number(new.run))
+            values["run_id"] = existing(writer.scalar(of), "run", new.run)
         values |= {"version": new.version + 1, "saved": now(writer), "saved_by": visitor.user}
         same = (Row.id == draft_id, Row.version == new.version)
         written = writer.execute(sa.update(Row).where(*same).values(**values)).rowcount == 1
@@ -107,10 +108,6 @@ def delete(engine: sa.Engine, draft_id: int, version: int | None, visitor: Visit
         writer.execute(sa.delete(Row).where(Row.id == draft_id))
         detail = {"name": draft.name, "owner": draft.owner, "version": draft.version}
         audit.note(writer, visitor, "draft.deleted", draft.id, detail)
-
-
-def _run(reader: sa.Connection, run: str) -> int:
-    return existing(reader.scalar(sa.select(Run.id).where(Run.id == service.number(run))), "run", run)
 
 
 def _repeats(stored: Draft, new: DraftReplace, visitor: Visitor) -> bool:

@@ -17,15 +17,7 @@ from clearance.function.result import Evaluations, Interrupted
 from clearance.local.citation import Earlier
 from clearance.local.results import read_folder, refuse_other_document, versions_of, violated
 from worker.engine.problem.problem import Problem
-from worker.running.runs.continuation import (
-    Budget,
-    CannotContinue,
-    WouldLose,
-    carried,
-    preloaded,
-    raised,
-    same_sample,
-)
+from worker.running.runs.continuation import Budget, CannotContinue, WouldLose, carried, preloaded, raised, same_sample
 from worker.running.runs.provenance import versions
 from worker.running.runs.store import MemoryStore
 

@@ -67,6 +67,20 @@ class _Methods:
     _finished: Callable[[Any], Any]
     """How a script is run, and one that hands out values."""
     _each: Callable[[Any], Any]
+    _library: Callable[..., Any]
+    """The client of httpx, and what has it send."""
+    _driver: Callable[[Any], Blocking | Awaiting]
+
+    def __init__(
+        self, url: str | None = None, token: str | None = None, *, patience: float = PATIENCE, **how: Any
+    ) -> None:
+        """Address and token are from the environment if they are not stated; `ValueError` for a patience of nan."""
+        if not patience >= 0.0:  # nan would never run out
+            raise ValueError(f"patience is {patience}; give 0 or more seconds")
+        address = str(url or os.environ.get("CLEARANCE_SERVICE") or SERVICE).rstrip("/")
+        secret = (os.environ.get("CLEARANCE_TOKEN", "") if token is None else token).strip()
+        self._http = self._library(**settings(address, secret, how))
+        self.session = Session(address, patience, self._driver(self._http))
 
     @property
     def address(self) -> str:
@@ -110,14 +124,6 @@ class _Methods:
     health = _method(asking(calls.health))
 
 
-def _settings(url: str | None, token: str | None, patience: float) -> tuple[str, str]:
-    """Address and token, from the environment where they are not stated; raises `ValueError` for a patience of nan."""
-    if not patience >= 0.0:  # nan would never run out
-        raise ValueError(f"patience is {patience}; give 0 or more seconds")
-    address = str(url or os.environ.get("CLEARANCE_SERVICE") or SERVICE)
-    return address.rstrip("/"), (os.environ.get("CLEARANCE_TOKEN", "") if token is None else token).strip()
-
-
 class Client(_Methods):
     """A Clearance service.
 
@@ -129,14 +135,8 @@ class Client(_Methods):
     request, and `UnreachableError` if it does not respond in time.
     """
 
+    _library, _driver = httpx.Client, Blocking
     _finished, _each = staticmethod(finished), staticmethod(each)
-
-    def __init__(
-        self, url: str | None = None, token: str | None = None, *, patience: float = PATIENCE, **how: Any
-    ) -> None:
-        address, secret = _settings(url, token, patience)
-        self._http = httpx.Client(**settings(address, secret, how))
-        self.session = Session(address, patience, Blocking(self._http))
 
     def close(self) -> None:
         """Close the connections of the client."""
@@ -155,14 +155,8 @@ class AsyncClient(_Methods):
     Further arguments are those of `httpx.AsyncClient`.
     """
 
+    _library, _driver = httpx.AsyncClient, Awaiting
     _finished = _each = staticmethod(lambda script: script)
-
-    def __init__(
-        self, url: str | None = None, token: str | None = None, *, patience: float = PATIENCE, **how: Any
-    ) -> None:
-        address, secret = _settings(url, token, patience)
-        self._http = httpx.AsyncClient(**settings(address, secret, how))
-        self.session = Session(address, patience, Awaiting(self._http))
 
     async def close(self) -> None:
         """Close the connections of the client."""

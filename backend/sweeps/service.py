@@ -15,7 +15,7 @@ from backend.access.own import require_own
 from backend.catalog.service import required
 from backend.db import audit, queue
 from backend.db.access import Visitor
-from backend.db.engine import now, read
+from backend.db.engine import ask, now
 from backend.db.tables import Run, Sweep, SweepRun
 from backend.http import keys
 from backend.http.errors import existing
@@ -57,8 +57,7 @@ def number(sweep: str) -> int:
 
 def submit(engine: sa.Engine, submission: Submission, visitor: Visitor, key: str | None, quota: Quota) -> SweepDetail:
     """Queue all runs in one transaction, or return the sweep launched earlier with the same key; `CampaignError`."""
-    with read(engine) as reader:
-        catalogue = required(reader)
+    catalogue = ask(engine, required)
     campaigns = variants(submission.campaign, submission.request.path, submission.request.values, catalogue)
     keyed = Keyed(key, visitor.user, "submit_sweep", submission.digest)
     with engine.begin() as writer:
@@ -69,8 +68,7 @@ def submit(engine: sa.Engine, submission: Submission, visitor: Visitor, key: str
             keys.keep(writer, keyed, sweep_name(sweep_id))
         else:
             sweep_id = number(repeated.made)
-    with read(engine) as reader:
-        return detail(reader, sweep_id)
+    return ask(engine, lambda reader: detail(reader, sweep_id))
 
 
 def _launch(
@@ -164,8 +162,7 @@ def cancel(engine: sa.Engine, sweep_id: int, visitor: Visitor) -> SweepDetail:
         # Runs of which the results were purged have ended.
         active = of.where(SweepRun.sweep_id == sweep_id, Run.purged.is_(None))
         edits.cancelled(writer, writer.scalars(active).all(), visitor, sweep=sweep_name(sweep_id))
-    with read(engine) as reader:
-        return detail(reader, sweep_id)
+    return ask(engine, lambda reader: detail(reader, sweep_id))
 
 
 def _summary(row: sa.RowMapping, found: list[tuple[str, str | None]]) -> SweepSummary:

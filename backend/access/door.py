@@ -7,7 +7,6 @@ nor fails with it.
 from __future__ import annotations
 
 import asyncio
-import functools
 import logging
 import time
 from collections.abc import Callable
@@ -19,7 +18,7 @@ from starlette.requests import HTTPConnection
 
 from backend.db import access, damage
 from backend.db.access import Visitor
-from backend.db.engine import connect, read
+from backend.db.engine import ask, connect
 from backend.db.outages import DatabaseOutage
 
 Result = TypeVar("Result")
@@ -80,7 +79,7 @@ class Door:
 
     async def ask(self, question: Callable[[sa.Connection], Result]) -> Result:
         """Run a query; never waits for writers."""
-        return await to_thread.run_sync(functools.partial(self._read, question), limiter=self._threads)
+        return await to_thread.run_sync(ask, self._engine, question, limiter=self._threads)
 
     async def close(self) -> None:
         """Close the connections, once those that record a use have ended: a connection that is in use is not closed."""
@@ -89,12 +88,8 @@ class Door:
         self._notes.dispose()
 
     def _well(self, engine: sa.Engine) -> None:
-        self._read(lambda reader: reader.execute(sa.select(1)))
+        ask(engine, lambda reader: reader.execute(sa.select(1)))
         damage.refuse(engine)
-
-    def _read(self, question: Callable[[sa.Connection], Result]) -> Result:
-        with read(self._engine) as reader:
-            return question(reader)
 
     async def _by_token(self, token: str) -> Visitor | None:
         found = await self.ask(lambda reader: access.by_token(reader, token))

@@ -8,6 +8,7 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Callable
+from functools import lru_cache
 
 MOST = 10_000
 """Sessions and tokens remembered; the one that was used longest ago is forgotten, and has a full bucket again."""
@@ -35,13 +36,8 @@ class Rates:
 
     def __init__(self, per_minute: int, clock: Callable[[], float] = time.monotonic) -> None:
         self.per_minute = per_minute
-        self._clock = clock
-        self._buckets: dict[str, Bucket] = {}
+        self._bucket = lru_cache(MOST)(lambda _: Bucket(per_minute, 60.0 / per_minute, clock))
 
     def wait(self, key: str) -> int:
         """Count a request of this session or token; 0, or if there were too many the time to wait instead [s]."""
-        bucket = self._buckets.pop(key, None) or Bucket(self.per_minute, 60.0 / self.per_minute, self._clock)
-        self._buckets[key] = bucket  # the last one of the order
-        if len(self._buckets) > MOST:
-            del self._buckets[next(iter(self._buckets))]
-        return math.ceil(bucket.wait())
+        return math.ceil(self._bucket(key).wait())

@@ -7,7 +7,7 @@ from fastapi import APIRouter, Request
 from backend.access.auth import CurrentVisitor
 from backend.cases import service
 from backend.cases.schemas import CaseAnswer, CaseInstalled, CaseRequest
-from backend.db.engine import read
+from backend.db.engine import ask
 from backend.flights.drawing import WHAT_IF, in_turn
 from backend.http.deps import Engine, account, capacities
 from backend.http.errors import problems
@@ -24,8 +24,7 @@ async def case_installed(run: RunName, request: Request, engine: Engine) -> Case
     """Whether the machine of the service has the simulator of this run, so that its cases can be evaluated there."""
 
     def looked() -> CaseInstalled:
-        with read(engine) as reader:
-            wanted = service.simulator(reader, run)
+        wanted = ask(engine, lambda reader: service.simulator(reader, run))
         return service.installed(request.app.state.cases, *wanted)
 
     return await capacities(request).cases.run(account(request), looked, request.is_disconnected)

@@ -8,7 +8,7 @@ from fastapi import APIRouter, Path, Request
 
 from backend.catalog import service
 from backend.catalog.schemas import Checked, LibraryCampaign
-from backend.db.engine import read
+from backend.db.engine import ask
 from backend.http import bodies
 from backend.http.deps import Engine, Reader, account, capacities
 from backend.http.errors import problems
@@ -53,12 +53,9 @@ def get_campaign(name: LibraryName, reader: Reader) -> LibraryCampaign:
 async def check_campaign(request: Request, engine: Engine) -> Checked:
     """Check a campaign, given as `{"campaign": ...}` or as YAML: its parsed form, or its errors. Stores nothing."""
     campaign = await campaign_of(request)
-
-    def work() -> Checked:
-        with read(engine) as reader:
-            return service.checked(reader, campaign)
-
-    return await capacities(request).checks.run(account(request), work)
+    return await capacities(request).checks.run(
+        account(request), lambda: ask(engine, lambda reader: service.checked(reader, campaign))
+    )
 
 
 async def campaign_of(request: Request) -> Campaign | CampaignError:

@@ -32,12 +32,12 @@ def damage(file: Path) -> str:
 
 def refuse(engine: sa.Engine) -> None:
     """Raise `DatabaseOutage` while the database is damaged, as far as this process has met it."""
-    if not outages.seen_damaged(engine):
+    if not outages.met(engine, "damaged"):
         return
     file, at = str(engine.url.database), time.monotonic()
     if is_sqlite(engine) and at - _read.get(file, -PERIOD) >= PERIOD:
         _read[file] = at
         if not damage(Path(file)):
-            outages.mended(engine)
+            outages.over(engine, "damaged")
             return
     raise DatabaseOutage("damaged", outages.SENTENCES["damaged"], sqlite3.DatabaseError("damage was met"), False)

@@ -129,6 +129,12 @@ def read(engine: sa.Engine) -> Iterator[sa.Connection]:
         yield connection.execution_options(**{_READ: True})
 
 
+def ask(engine: sa.Engine, question: Callable[[sa.Connection], Result]) -> Result:
+    """What a function reads from one snapshot."""
+    with read(engine) as reader:
+        return question(reader)
+
+
 def now(connection: sa.Connection) -> float:
     """The queue's clock [s since 1970]: on PostgreSQL the server's, so that machine clocks need not agree."""
     if is_sqlite(connection):

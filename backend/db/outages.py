@@ -64,11 +64,8 @@ _POSTGRESQL: dict[str, Kind] = {
 }
 """By the beginning of the SQLSTATE; the longest one counts."""
 
-_damaged: set[str] = set()
-"""The URLs of databases in which this process has met damage."""
-
-_full: set[str] = set()
-"""The URLs of databases in which a write of this process failed for want of space."""
+_met: set[tuple[str, Kind]] = set()
+"""The URLs of databases in which this process has met damage, or a write of it has failed for want of space."""
 
 
 class DatabaseOutage(sa.exc.OperationalError):
@@ -95,10 +92,8 @@ def watched(engine: sa.Engine) -> sa.Engine:
             # A handle that was opened read-only, or before the file was replaced, stays so.
             context.is_disconnect = True
             _rolled_back(context.connection)
-        if kind == "damaged":
-            _damaged.add(url)
-        if kind == "no-space":
-            _full.add(url)
+        if kind in ("damaged", "no-space"):
+            _met.add((url, kind))
         if context.is_pre_ping:
             return None
         orig = context.original_exception
@@ -139,24 +134,14 @@ def worded(error: BaseException) -> str:
     return " ".join((str(cause).splitlines() or [""])[0].split())
 
 
-def seen_damaged(engine: sa.Engine) -> bool:
-    """Whether this process has met damage in the database since `mended`."""
-    return engine.url.render_as_string(hide_password=False) in _damaged
+def met(engine: sa.Engine, kind: Kind) -> bool:
+    """Whether this process has met damage in the database, or want of space at a write, since it was `over`."""
+    return (engine.url.render_as_string(hide_password=False), kind) in _met
 
 
-def mended(engine: sa.Engine) -> None:
-    """Note that a check has found it whole."""
-    _damaged.discard(engine.url.render_as_string(hide_password=False))
-
-
-def seen_full(engine: sa.Engine) -> bool:
-    """Whether a write of this process failed for want of space since `freed`."""
-    return engine.url.render_as_string(hide_password=False) in _full
-
-
-def freed(engine: sa.Engine) -> None:
-    """Note that a write has succeeded."""
-    _full.discard(engine.url.render_as_string(hide_password=False))
+def over(engine: sa.Engine, kind: Kind) -> None:
+    """Note that a check has found the database whole, or that a write has succeeded."""
+    _met.discard((engine.url.render_as_string(hide_password=False), kind))
 
 
 def _kind(context: Any) -> Kind | None:

@@ -20,7 +20,7 @@ from sqlalchemy import orm
 
 from backend.db import audit
 from backend.db.digest import results_digest
-from backend.db.engine import is_sqlite, now, read
+from backend.db.engine import ask, is_sqlite, now, read
 from backend.db.reset import RESULTS
 from backend.db.rows import made_again_before, own_question
 from backend.db.tables import (
@@ -110,8 +110,7 @@ def _complete(writer: sa.Connection) -> None:
 
 def exceeded(engine: sa.Engine, limit: int) -> bool:
     """Whether more than that is stored now [bytes]: a run may have had more than its evaluations and traces."""
-    with read(engine) as reader:
-        return occupied(reader) > limit
+    return ask(engine, occupied) > limit
 
 
 def occupied(reader: sa.Connection) -> int:

@@ -58,7 +58,7 @@ def refuse_full(engine: sa.Engine) -> None:
 
     What is tried is rolled back. SQLite writes it to the disk only later, so that a file next to it is tried as well.
     """
-    if not outages.seen_full(engine):
+    if not outages.met(engine, "no-space"):
         return
     for folder in places(str(engine.url), None):
         with tempfile.TemporaryFile(dir=folder) as file:
@@ -70,7 +70,7 @@ def refuse_full(engine: sa.Engine) -> None:
             sa.text("insert into space_that_is_tried (content) values (:content)"), {"content": "0" * TRIED}
         )
         tried.rollback()
-    outages.freed(engine)
+    outages.over(engine, "no-space")
 
 
 def limit_of(environment: Mapping[str, str]) -> int:

@@ -28,7 +28,7 @@ from backend.db import (
 )
 from backend.db.convergence import extended
 from backend.db.digest import current_digest
-from backend.db.engine import Result, clock, now, read, write
+from backend.db.engine import Result, ask, clock, now, read, write
 from backend.db.queue import Claim, LostLease, fenced
 from backend.db.rows import (
     chunk_rows,
@@ -96,8 +96,7 @@ class RunStore:
     @property
     def sample_seed(self) -> SampleSeed | None:
         """The seed of the run's independent sample; None for a run of an earlier version, which has the campaign's."""
-        with read(self.engine) as connection:
-            return continuation.sample_seed(connection, self._run)
+        return ask(self.engine, lambda reader: continuation.sample_seed(reader, self._run))
 
     @_transaction
     def describe(self, connection: sa.Connection, campaign: Campaign, catalogue: Catalogue) -> None:
@@ -125,8 +124,7 @@ class RunStore:
 
     def of_newer_version(self, catalogue: Catalogue) -> bool:
         """Whether the run was submitted for a newer version than the one that has these components."""
-        with read(self.engine) as connection:
-            return _newer(snapshots.version(connection, self._run), catalogue)
+        return ask(self.engine, lambda reader: _newer(snapshots.version(reader, self._run), catalogue))
 
     def _descriptions(self, connection: sa.Connection, catalogue: Catalogue) -> Catalogue | None:
         """Those stored with the run; raises `OtherCode` if a newer version stored them in a form of its own."""
@@ -200,13 +198,11 @@ class RunStore:
 
     def evaluations(self, position: int) -> Columns | None:
         """All stored evaluations of a stage, in order; None if there are none."""
-        with read(self.engine) as connection:
-            return stored_columns(connection, self._run, position)
+        return ask(self.engine, lambda reader: stored_columns(reader, self._run, position))
 
     def ahead(self, position: int) -> Ahead | None:
         """The stored evaluations of a stage that an earlier one is missing for, by index; None if there are none."""
-        with read(self.engine) as connection:
-            return evaluations_ahead.read(connection, self._run, position)
+        return ask(self.engine, lambda reader: evaluations_ahead.read(reader, self._run, position))
 
     def append(self, position: int, first: int, columns: Columns, ahead: Ahead | None = None) -> None:
         """Store evaluations from index `first` on, and update the counts and the best value of stage and run.
@@ -220,8 +216,7 @@ class RunStore:
     def blocks(self, position: int, known: Collection[int] = ()) -> list[Block]:
         """The counted blocks of a stage that is under way and of which only a part is stored, in their order, without
         the known ones."""
-        with read(self.engine) as connection:
-            return sample_blocks.read(connection, self._run, position, known)
+        return ask(self.engine, lambda reader: sample_blocks.read(reader, self._run, position, known))
 
     @_transaction
     def take(
@@ -293,8 +288,7 @@ class RunStore:
 
     def found(self) -> list[Finding]:
         """The findings stored so far, the worst first."""
-        with read(self.engine) as connection:
-            return continuation.findings(connection, self._run)
+        return ask(self.engine, lambda reader: continuation.findings(reader, self._run))
 
     @_transaction
     def conclude(self, connection: sa.Connection, verdict: Verdict) -> None:

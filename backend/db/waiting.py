@@ -24,23 +24,18 @@ BEGUN = sa.or_(Run.flown.is_not(None), Run.evaluations > 0, sa.exists().where(St
 CONTINUED = "It was continued as {run}."
 
 
-def restart(writer: sa.Connection, run_id: int, needs: str | None = None) -> bool:
-    """Put a waiting run back to where it was when it was submitted; false if it does not wait for its code.
+def restart(writer: sa.Connection, run_id: int, needs: str | None = None) -> None:
+    """Put a run that `waits` back to where it was when it was submitted.
 
     needs: the simulator that it needs from then on, if not the same as before.
     """
-    if not waits(writer, run_id):
-        return False
     reset.empty(writer, run_id)
     changed = {} if needs is None else {"needs": needs}
     writer.execute(sa.update(Run).where(Run.id == run_id).values(carries=False, **changed))
-    return True
 
 
-def carry(writer: sa.Connection, run_id: int, campaign: Campaign, catalogue: Catalogue) -> int | None:
-    """Queue a new run that continues a waiting one, which is cancelled; None if it does not wait for its code."""
-    if not waits(writer, run_id):
-        return None
+def carry(writer: sa.Connection, run_id: int, campaign: Campaign, catalogue: Catalogue) -> int:
+    """Queue a new run that continues one that `waits`, which is cancelled."""
     planned = most(campaign)
     found = succeed(writer, run_id, campaign, planned, catalogue, carries=True)
     _place(writer, run_id, found)

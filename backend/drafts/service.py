@@ -14,7 +14,7 @@ from backend.db.engine import now
 from backend.db.tables import Draft as Row
 from backend.db.tables import Run
 from backend.drafts.schemas import Draft, DraftContent, DraftReplace, DraftSummary
-from backend.http.errors import RefusedError, not_found
+from backend.http.errors import RefusedError, existing
 from backend.http.matches import require_match
 from backend.runs import service
 from campaigns.runs import run_name
@@ -34,10 +34,7 @@ def name(draft_id: int) -> str:
 
 def number(draft: str) -> int:
     """The number of a draft from its name, D-0001; 404 for anything else."""
-    match = _ID.fullmatch(draft)
-    if match is None:
-        raise not_found("draft", draft)
-    return int(match[1])
+    return int(existing(_ID.fullmatch(draft), "draft", draft)[1])
 
 
 def listed(reader: sa.Connection) -> list[DraftSummary]:
@@ -49,9 +46,7 @@ def listed(reader: sa.Connection) -> list[DraftSummary]:
 def one(reader: sa.Connection, draft_id: int) -> Draft:
     """A draft with its text, or 404."""
     query = sa.select(*_LISTED, Row.run_id, Row.text).where(Row.id == draft_id)
-    row = reader.execute(query).mappings().one_or_none()
-    if row is None:
-        raise not_found("draft", name(draft_id))
+    row = existing(reader.execute(query).mappings().one_or_none(), "draft", name(draft_id))
     return Draft.model_validate(_draft(row))
 
 
@@ -90,7 +85,8 @@ def replace(engine: sa.Engine, draft_id: int, new: DraftReplace, visitor: Visito
         if match is not None:
             require_match(match, etag(one(writer, draft_id)), name(draft_id))
         if new.run is not None:
-            values["run_id"] = _run(writer, new.run)
+            of = sa.select(Run.id).where(Run.id == service.number(new.run))
+            values["run_id"] = existing(writer.scalar(of), "run", new.run)
         values |= {"version": new.version + 1, "saved": now(writer), "saved_by": visitor.user}
         same = (Row.id == draft_id, Row.version == new.version)
         written = writer.execute(sa.update(Row).where(*same).values(**values)).rowcount == 1
@@ -112,13 +108,6 @@ def delete(engine: sa.Engine, draft_id: int, version: int | None, visitor: Visit
         writer.execute(sa.delete(Row).where(Row.id == draft_id))
         detail = {"name": draft.name, "owner": draft.owner, "version": draft.version}
         audit.note(writer, visitor, "draft.deleted", draft.id, detail)
-
-
-def _run(reader: sa.Connection, run: str) -> int:
-    run_id = service.number(run)
-    if reader.scalar(sa.select(Run.id).where(Run.id == run_id)) is None:
-        raise not_found("run", run)
-    return run_id
 
 
 def _repeats(stored: Draft, new: DraftReplace, visitor: Visitor) -> bool:

@@ -16,7 +16,7 @@ from starlette.types import Receive, Scope, Send
 from backend.access.auth import CurrentVisitor, too_many
 from backend.access.shares import Shares
 from backend.db.access import Visitor
-from backend.db.engine import read
+from backend.db.engine import ask
 from backend.http.deps import Engine
 from backend.http.errors import answers, problems
 from backend.runs import service
@@ -75,7 +75,7 @@ async def stream_events(
     """
     run_id = None if run is None else service.number(run)
     if run_id is not None:
-        await run_in_threadpool(_require, engine, run_id)
+        await run_in_threadpool(ask, engine, lambda reader: service.require(reader, run_id))
     state = request.app.state
     events = state.hub.listen(run_id, _since(last))
     return CountedStream(_while_admitted(events, request.state.still), state.streams, visitor)
@@ -96,8 +96,3 @@ async def _while_admitted(events: AsyncGenerator[str], still: Callable[[], Await
                     return
                 checked = time.monotonic()
             yield text
-
-
-def _require(engine: Engine, run_id: int) -> None:
-    with read(engine) as reader:
-        service.require(reader, run_id)

@@ -9,7 +9,7 @@ from fastapi import APIRouter, Path, Query, Request, Response
 from fastapi.concurrency import run_in_threadpool
 
 from backend.access.auth import CurrentVisitor
-from backend.db.engine import read
+from backend.db.engine import ask
 from backend.exports import service
 from backend.exports.format import Format, known, named
 from backend.exports.service import ExportFile
@@ -77,12 +77,7 @@ async def export_file(
     if one.answer is not None:
         return await one.answer(request, run, label, theme == "dark")
     run_id, files = number(run), capacities(request).files
-
-    def head() -> dict[str, str]:
-        with read(engine) as reader:
-            return service.headers(reader, run_id, file)
-
-    headers = await run_in_threadpool(head)
+    headers = await run_in_threadpool(ask, engine, lambda reader: service.headers(reader, run_id, file))
     if service.unchanged(request, headers):
         return Response(status_code=304, headers=headers)
     if (streamed := one.streamed) is not None:

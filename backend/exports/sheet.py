@@ -21,7 +21,7 @@ from backend.catalog.service import bounds, described
 from backend.db.engine import read
 from backend.db.rows import as_columns
 from backend.db.tables import EvaluationChunk, Stage
-from backend.http.written import cells, finite_all, headed
+from backend.http.written import cells, headed
 from backend.results.evaluations import Bounds
 from campaigns import Campaign, cube
 from campaigns.checked.check import parameters
@@ -59,15 +59,6 @@ class Block(NamedTuple):
     values: list[Floats]
     draws: list[int | None] | None
     """Which draw of a sample each is of which only a part is stored; None of a run without such a sample."""
-
-    def rows(self) -> list[list[Any]]:
-        """The evaluations one by one; missing values are None."""
-        status = [STATUS[code] for code in self.status.tolist()]
-        values = [column.tolist() for column in self.values]
-        reasons = map(self.reasons.get, self.indices)
-        draws = [] if self.draws is None else [self.draws]
-        columns = (self.indices, status, reasons, self.seconds.tolist(), *map(finite_all, self.costs), *values, *draws)
-        return list(map(list, zip(*columns, strict=True)))
 
     def written(
         self,

@@ -10,7 +10,7 @@ import sqlalchemy as sa
 from fastapi import Request
 
 from backend.db.access import Visitor
-from backend.db.engine import read
+from backend.db.engine import ask
 from backend.flights.case import Case
 from backend.flights.turns import Turn, Turns
 from backend.http.capacity import Capacity
@@ -55,12 +55,10 @@ async def in_turn(
         viewer = await request.app.state.viewers.find(Handle(visitor, number(run), what_if.view), 0.0)
 
     def work(turn: Turn) -> Answer:
-        with read(request.app.state.engine) as reader:
-            case = wanted(reader)
+        case = ask(request.app.state.engine, wanted)
         answer = simulated(case)
         drawn = what_if.view if _drew(viewer, answer, case.seed, turn) else None
-        with read(request.app.state.engine) as reader:
-            return response(reader, case, answer, drawn, what_if.rows)
+        return ask(request.app.state.engine, lambda reader: response(reader, case, answer, drawn, what_if.rows))
 
     turns: Turns = request.app.state.turns
     named = (visitor.key, run, what_if.client or what_if.view)

@@ -10,7 +10,7 @@ import http
 import operator
 from collections.abc import Callable, Iterable, Mapping
 from functools import partial
-from typing import Annotated, Any, NamedTuple
+from typing import Annotated, Any, NamedTuple, TypeVar
 
 import sqlalchemy as sa
 from fastapi import FastAPI, Request
@@ -27,6 +27,8 @@ from backend.http.root import at
 from backend.http.schema import Schema
 from campaigns import CampaignError, Problem
 from campaigns.asked.problem import LONGEST, MOST, shown
+
+Found = TypeVar("Found")
 
 MEDIA_TYPE = "application/problem+json"
 _URN = "urn:clearance:problem:"
@@ -206,6 +208,13 @@ class RefusedError(Exception):
 
 def not_found(what: str, name: str) -> RefusedError:
     return RefusedError("not-found", f"there is no {what} {name[:LONGEST]!r}")
+
+
+def existing(found: Found | None, what: str, name: str) -> Found:
+    """What was looked up; 404 if there is none."""
+    if found is None:
+        raise not_found(what, name)
+    return found
 
 
 def invalid(error: CampaignError) -> RefusedError:

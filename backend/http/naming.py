@@ -17,7 +17,7 @@ def named(run: str, name: str, file: str) -> str:
 
 
 def disposition(how: str, name: str) -> str:
-    """The header Content-Disposition (RFC 6266) of a name by `named`: in ASCII, and next to it as it is (RFC 8187)."""
+    """The header Content-Disposition (RFC 6266) of a name: in ASCII, and next to it as it is (RFC 8187)."""
     plain = re.sub("-+", "-", unicodedata.normalize("NFKD", name).encode("ascii", "ignore").decode())
     plain = re.sub(r"[^\w.-]", "", plain)
     whole = "" if plain == name else f"; filename*=UTF-8''{urllib.parse.quote(name, safe='')}"

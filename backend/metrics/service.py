@@ -12,7 +12,7 @@ from backend.db.outages import DatabaseOutage
 from backend.db.tables import Run, Worker
 from backend.db.workers import STILL, recent, standing_still
 from backend.metrics.requests import Requests
-from backend.metrics.text import Metric, Sample, gauge
+from backend.metrics.text import Metric, gauge, gauges
 from backend.runs.filters import Filters
 from backend.runs.listing import counted
 from campaigns.runs import ACTIVE, RunState
@@ -35,8 +35,7 @@ class Metrics:
     def _metrics(self, stored: list[Metric] | None, waiting: dict[str, int]) -> Iterator[Metric]:
         yield gauge("clearance_database_up", "1 if the database can be used.", float(stored is not None))
         yield from stored or ()
-        depth = [Sample("clearance_jobs", count, {"queue": name}) for name, count in waiting.items()]
-        yield Metric("clearance_jobs", "gauge", "Running and waiting jobs of the service.", depth)
+        yield gauges("clearance_jobs", "Running and waiting jobs of the service.", "queue", waiting)
         yield gauge("clearance_free_bytes", "Least free space where data is written.", self.room.free())
         yield Metric(
             "clearance_request_seconds", "histogram", "Requests by route and status class.", self.requests.samples()
@@ -53,23 +52,13 @@ def _of_the_database(engine: sa.Engine) -> list[Metric]:
     alive = sum(recent(beat, at) for beat in beats)
     workers = {"alive": alive, "lost": len(beats) - alive}
     return [
-        Metric(
-            "clearance_runs",
-            "gauge",
-            "Listed runs by state.",
-            [Sample("clearance_runs", states[state], {"state": state}) for state in RunState],
-        ),
+        gauges("clearance_runs", "Listed runs by state.", "state", {state: states[state] for state in RunState}),
         gauge(
             "clearance_runs_standing_still",
             f"Runs that a worker has, without a new stored evaluation for {STILL:g} s.",
             still,
         ),
         gauge("clearance_evaluations", "Evaluations made, of runs that are not purged.", int(evaluations or 0)),
-        Metric(
-            "clearance_workers",
-            "gauge",
-            "Workers by their heartbeat; lost: silent within a day.",
-            [Sample("clearance_workers", number, {"state": state}) for state, number in workers.items()],
-        ),
+        gauges("clearance_workers", "Workers by their heartbeat; lost: silent within a day.", "state", workers),
         gauge("clearance_run_losses", "Workers that active runs have lost since their last result.", losses or 0),
     ]

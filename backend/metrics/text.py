@@ -41,5 +41,10 @@ def gauge(name: str, text: str, value: float | None) -> Metric:
     return Metric(name, "gauge", text, [] if value is None else [Sample(name, value)])
 
 
+def gauges(name: str, text: str, label: str, values: Mapping[str, float]) -> Metric:
+    """A metric with one sample for each value of a label."""
+    return Metric(name, "gauge", text, [Sample(name, value, {label: key}) for key, value in values.items()])
+
+
 def _escaped(value: str) -> str:
     return value.replace("\\", "\\\\").replace('"', '\\"').replace("\n", "\\n")

@@ -10,7 +10,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from backend.catalog.service import required
-from backend.db.engine import read
+from backend.db.engine import ask
 from backend.http.capacity import Capacity, Gone
 from backend.http.deps import Engine
 from backend.http.errors import RefusedError
@@ -71,8 +71,7 @@ class Previews:
 
 def checked(engine: Engine, campaign: Campaign) -> ComponentEntry:
     """The criterion of a campaign that can be previewed; raises `CampaignError`, or 503 if no worker has started."""
-    with read(engine) as reader:
-        catalogue = required(reader)
+    catalogue = ask(engine, required)
     problems = check(campaign, catalogue) or list(effort.unpreviewable(campaign))
     if problems:
         raise CampaignError("request", problems)

@@ -8,7 +8,7 @@ import sqlalchemy as sa
 
 from backend.catalog.service import required
 from backend.db import costs
-from backend.http.errors import not_found
+from backend.http.errors import existing
 from backend.proposals.schemas import MeasuredCost, Proposal, ProposedSearch
 from campaigns.asked.proposal import Cost, lasting
 from campaigns.checked.expected import confirmation
@@ -22,9 +22,7 @@ UNKNOWN = (
 def proposal(reader: sa.Connection, name: str, parameters: int, patience: float, calls: int) -> Proposal:
     """Methods and budgets for the simulator of that name, or 404."""
     catalogue = required(reader)
-    entry = catalogue.simulator(name)
-    if entry is None:
-        raise not_found("simulator called", name)
+    entry = existing(catalogue.simulator(name), "simulator called", name)
     cost, others = costs.newest(reader, entry, catalogue.digests.get(name))
     if cost is None:
         known = UNKNOWN.format(name=name) + (f". {_others(others)}" if others else "")

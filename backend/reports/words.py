@@ -22,8 +22,7 @@ _GREEK = {
 def moment(at: float | None) -> str:
     if at is None:
         return "not recorded"
-    at_utc = datetime.datetime.fromtimestamp(at, datetime.UTC)
-    return f"{at_utc.day} {at_utc:%B %Y, %H:%M:%S} UTC"
+    return f"{day(at)}, {datetime.datetime.fromtimestamp(at, datetime.UTC):%H:%M:%S} UTC"
 
 
 def day(at: float) -> str:

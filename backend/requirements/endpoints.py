@@ -12,11 +12,12 @@ from fastapi.concurrency import run_in_threadpool
 from backend.access.auth import CurrentVisitor
 from backend.access.once import ONCE, OnceOnly
 from backend.db import codes
-from backend.db.engine import chunks, now, read
+from backend.db.engine import ask, chunks, now
 from backend.db.tables import Run
 from backend.http.deps import Engine, Reader, account, capacities
 from backend.http.errors import answers, problems
 from backend.http.matches import TAGGED, IfMatch
+from backend.http.naming import disposition
 from backend.requirements import gsn, matrix, reqif, service, sheet, uploads
 from backend.requirements.schemas import (
     FileKind,
@@ -199,14 +200,8 @@ def _claims(reader: sa.Connection, rows: list[RequirementRow]) -> dict[str, str]
 
 
 async def _whole(request: Request, engine: sa.Engine, made: Callable[[sa.Connection], Any]) -> Any:
-    def work() -> Any:
-        with read(engine) as reader:
-            return made(reader)
-
-    return await capacities(request).files.run(account(request), work, request.is_disconnected)
+    return await capacities(request).files.run(account(request), lambda: ask(engine, made), request.is_disconnected)
 
 
 def _saved(name: str) -> dict[str, str]:
-    """The header with which a browser saves it; the name has only safe characters."""
-    safe = "".join(c if c.isascii() and (c.isalnum() or c in "._-") else "-" for c in name)
-    return {"Content-Disposition": f'attachment; filename="{safe}"'}
+    return {"Content-Disposition": disposition("attachment", name)}

@@ -14,7 +14,7 @@ from backend.db import audit
 from backend.db.access import Visitor
 from backend.db.engine import chunks, now
 from backend.db.tables import Requirement, RequirementFile
-from backend.http.errors import RefusedError, not_found
+from backend.http.errors import RefusedError, existing
 from backend.http.matches import require_match, tag
 from backend.requirements import matrix
 from backend.requirements.reqif import Read
@@ -115,9 +115,8 @@ def files(reader: sa.Connection) -> list[RequirementFileOut]:
 def content(reader: sa.Connection, file_id: int) -> tuple[str, FileKind, bytes]:
     """Name, kind and bytes of a file, as it was imported; 404 if there is none."""
     of = sa.select(RequirementFile.name, RequirementFile.kind, RequirementFile.content)
-    row = reader.execute(of.where(RequirementFile.id == file_id)).one_or_none()
-    if row is None:
-        raise not_found("file of requirements with the number", str(file_id))
+    found = reader.execute(of.where(RequirementFile.id == file_id)).one_or_none()
+    row = existing(found, "file of requirements with the number", str(file_id))
     return row.name, row.kind, bytes(row.content)
 
 
@@ -167,9 +166,7 @@ def _written(writer: sa.Connection, new: RequirementGiven, visitor: Visitor, mat
 def delete(engine: sa.Engine, key: str, visitor: Visitor, match: str | None = None) -> None:
     """Delete a requirement that was written here or imported as CSV; one that runs state stays a row. 404, 409, 412."""
     with engine.begin() as writer:
-        old = _one(writer, key, hold=True)
-        if old is None:
-            raise not_found("registered requirement", key)
+        old = existing(_one(writer, key, hold=True), "registered requirement", key)
         require_match(match, tag(key, old.text), key)
         if old.kind == "reqif":
             raise _conflict(f"{key} is from {old.file}: delete it there and import the file again, or delete the file")

@@ -9,7 +9,7 @@ import sqlalchemy as sa
 from numpy.typing import NDArray
 
 from backend.db.tables import Finding, Run, Trace
-from backend.http.errors import not_found
+from backend.http.errors import existing
 from backend.http.versions import readable
 from backend.http.written import finite_all
 from backend.results import likely
@@ -68,9 +68,7 @@ def traces(reader: sa.Connection, run_id: int) -> list[TraceInfo]:
 def trace(reader: sa.Connection, run_id: int, name: str, most: int) -> TraceData:
     """One flight, thinned to `most` rows; 404 if there is no such run or flight."""
     require(reader, run_id)
-    row = stored(reader, run_id, name)
-    if row is None:
-        raise not_found("stored flight of this run called", name)
+    row = existing(stored(reader, run_id, name), "stored flight of this run called", name)
     data = table(row)
     with readable(f"flight {name} of {run_name(run_id)}", reader, run_id):
         head, columns = TraceHead.model_validate(row.meta), [TraceColumn.model_validate(c) for c in row.columns]

@@ -11,7 +11,7 @@ from backend.access.own import require_own
 from backend.db import audit, queue
 from backend.db.access import Visitor
 from backend.db.tables import Run
-from backend.http.errors import RefusedError, not_found
+from backend.http.errors import RefusedError, existing, not_found
 from backend.http.matches import require_match, tag
 from backend.runs import listing
 from backend.runs.removal import refuse_removed
@@ -26,9 +26,7 @@ def etag(reader: sa.Connection, run_id: int) -> str:
     """The entity tag of what users edit; 404 if there is no such run."""
     columns = (Run.name, Run.tags, Run.notes, Run.pinned, Run.removed)
     row = reader.execute(sa.select(*columns).where(Run.id == run_id)).one_or_none()
-    if row is None:
-        raise not_found("run", run_name(run_id))
-    return tag(*row)
+    return tag(*existing(row, "run", run_name(run_id)))
 
 
 def edit(engine: sa.Engine, run_id: int, changes: RunEdit, visitor: Visitor, match: str | None = None) -> None:

@@ -45,12 +45,10 @@ def restart(writer: sa.Connection, run_id: int, visitor: Visitor) -> RunSummary:
     """Begin a run again without its evaluations, with the simulator as it is now; 409 unless it waits for its code or
     if the newest worker cannot run it, 403 if it is another user's."""
     _own(writer, run_id, visitor)
-    if not waiting.waits(writer, run_id):
-        raise _not_waiting(run_id)
+    _waits(writer, run_id)
     _runnable(writer, run_id)
     lost = writer.scalar(sa.select(Run.evaluations).where(Run.id == run_id))
-    if not waiting.restart(writer, run_id, _changed_simulator(writer, run_id)):
-        raise _not_waiting(run_id)
+    waiting.restart(writer, run_id, _changed_simulator(writer, run_id))
     audit.note(writer, visitor, "run.restarted", run_name(run_id), {"evaluations": lost})
     return service.summary(writer, run_id)
 
@@ -58,12 +56,9 @@ def restart(writer: sa.Connection, run_id: int, visitor: Visitor) -> RunSummary:
 def carry_on(writer: sa.Connection, run_id: int, visitor: Visitor, quota: Quota) -> RunSummary:
     """Continue a run as a new one; as `restart`, and 409 if nothing of it can be used here."""
     _own(writer, run_id, visitor)
-    if not waiting.waits(writer, run_id):
-        raise _not_waiting(run_id)
+    _waits(writer, run_id)
     refuse_beyond(writer, quota, visitor, more=0)
     found = waiting.carry(writer, run_id, *_usable(writer, run_id))
-    if found is None:
-        raise _not_waiting(run_id)
     audit.note(writer, visitor, "run.continued", run_name(found), {"continues": run_name(run_id)})
     return service.summary(writer, found)
 
@@ -98,6 +93,8 @@ def _own(reader: sa.Connection, run_id: int, visitor: Visitor) -> None:
     require_own(visitor, reader.scalar(sa.select(Run.owner).where(Run.id == run_id)), run_name(run_id))
 
 
-def _not_waiting(run_id: int) -> RefusedError:
-    detail = f"{run_name(run_id)} does not wait for the code that began it; only such a run is begun again or continued"
-    return RefusedError("not-waiting", detail)
+def _waits(writer: sa.Connection, run_id: int) -> None:
+    """409 unless it waits for its code; locks it until the transaction ends."""
+    if not waiting.waits(writer, run_id):
+        what = "does not wait for the code that began it; only such a run is begun again or continued"
+        raise RefusedError("not-waiting", f"{run_name(run_id)} {what}")

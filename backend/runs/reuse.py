@@ -10,7 +10,7 @@ from fastapi.concurrency import run_in_threadpool
 
 from backend.catalog.service import published
 from backend.db import workers
-from backend.db.engine import now, read
+from backend.db.engine import ask, now, read
 from backend.db.purge import violates
 from backend.db.tables import Run
 from backend.http.errors import RefusedError
@@ -39,7 +39,7 @@ async def compared(engine: sa.Engine, campaign: Campaign, baseline: bool) -> boo
     since, simulator = await run_in_threadpool(_candidate, engine, campaign, baseline)
     deadline = time.monotonic() + PATIENCE
     while since is not None and time.monotonic() < deadline:
-        at = await run_in_threadpool(_compared, engine, simulator)
+        at = await run_in_threadpool(ask, engine, lambda reader: workers.compared(reader, simulator))
         if at is None or at >= since:
             return at is not None
         await asyncio.sleep(PAUSE)
@@ -54,11 +54,6 @@ def _candidate(engine: sa.Engine, campaign: Campaign, baseline: bool) -> tuple[f
             return None, None
     entry = None if campaign.simulator is None else catalogue.simulator(campaign.simulator.name)
     return since, None if entry is None else entry.version
-
-
-def _compared(engine: sa.Engine, simulator: str | None) -> float | None:
-    with read(engine) as reader:
-        return workers.compared(reader, simulator)
 
 
 def reusable(reader: sa.Connection, campaign: Campaign, sample_seed: int | None = None) -> int | None:

@@ -12,7 +12,7 @@ from backend.catalog.criteria import criteria
 from backend.catalog.service import bounds, described, published
 from backend.db import audit, baselines
 from backend.db.tables import Audit, CampaignRow, Run, Stage
-from backend.http.errors import RefusedError, not_found
+from backend.http.errors import RefusedError, existing
 from backend.http.versions import readable
 from backend.runs import counts, identity, listing, sample_kind
 from backend.runs.earlier import terms_of
@@ -47,10 +47,7 @@ from campaigns.versions import Versions, undigested
 
 def number(run: str) -> int:
     """The number of a run from its name, R-0001; 404 for anything else."""
-    found = run_number(run)
-    if found is None:
-        raise not_found("run", run)
-    return found
+    return existing(run_number(run), "run", run)
 
 
 def summary(reader: sa.Connection, run_id: int) -> RunSummary:
@@ -171,8 +168,7 @@ def stages(reader: sa.Connection, run_id: int) -> list[StageDetail]:
 def require(reader: sa.Connection, run_id: int) -> None:
     """Raise 404 if there is no such run, 410 if it was purged."""
     refuse_purged(reader, run_id)
-    if reader.scalar(sa.select(Run.id).where(Run.id == run_id)) is None:
-        raise not_found("run", run_name(run_id))
+    existing(reader.scalar(sa.select(Run.id).where(Run.id == run_id)), "run", run_name(run_id))
 
 
 def campaign(reader: sa.Connection, run_id: int) -> Campaign:
@@ -191,8 +187,7 @@ MOST_ENTRIES = 500
 
 def history(reader: sa.Connection, run_id: int) -> list[HistoryEntry]:
     """The newest `MOST_ENTRIES` entries of a run, newest first, also of a purged one; 404 if there is no such run."""
-    if reader.scalar(sa.select(Run.id).where(Run.id == run_id)) is None:
-        raise not_found("run", run_name(run_id))
+    existing(reader.scalar(sa.select(Run.id).where(Run.id == run_id)), "run", run_name(run_id))
     of = sa.select(Audit.at, Audit.user, audit.ACCOUNT, Audit.via, Audit.action, Audit.detail)
     rows = reader.execute(of.where(Audit.subject == run_name(run_id)).order_by(Audit.id.desc()).limit(MOST_ENTRIES))
     return [HistoryEntry.model_validate(dict(row._mapping)) for row in rows]

@@ -15,10 +15,10 @@ from backend.access.own import require_own
 from backend.catalog.service import required
 from backend.db import audit, queue
 from backend.db.access import Visitor
-from backend.db.engine import now, read
+from backend.db.engine import ask, now
 from backend.db.tables import Run, Sweep, SweepRun
 from backend.http import keys
-from backend.http.errors import not_found
+from backend.http.errors import existing
 from backend.http.keys import Keyed
 from backend.runs import edits
 from backend.runs.outcomes import outcomes
@@ -52,16 +52,12 @@ class Submission:
 
 def number(sweep: str) -> int:
     """The number of a sweep from its name, S-0001; 404 for anything else."""
-    found = sweep_number(sweep)
-    if found is None:
-        raise not_found("sweep", sweep)
-    return found
+    return existing(sweep_number(sweep), "sweep", sweep)
 
 
 def submit(engine: sa.Engine, submission: Submission, visitor: Visitor, key: str | None, quota: Quota) -> SweepDetail:
     """Queue all runs in one transaction, or return the sweep launched earlier with the same key; `CampaignError`."""
-    with read(engine) as reader:
-        catalogue = required(reader)
+    catalogue = ask(engine, required)
     campaigns = variants(submission.campaign, submission.request.path, submission.request.values, catalogue)
     keyed = Keyed(key, visitor.user, "submit_sweep", submission.digest)
     with engine.begin() as writer:
@@ -72,8 +68,7 @@ def submit(engine: sa.Engine, submission: Submission, visitor: Visitor, key: str
             keys.keep(writer, keyed, sweep_name(sweep_id))
         else:
             sweep_id = number(repeated.made)
-    with read(engine) as reader:
-        return detail(reader, sweep_id)
+    return ask(engine, lambda reader: detail(reader, sweep_id))
 
 
 def _launch(
@@ -144,9 +139,8 @@ def listed(reader: sa.Connection, limit: int) -> list[SweepSummary]:
 
 def detail(reader: sa.Connection, sweep_id: int) -> SweepDetail:
     """One sweep with the outcomes of its runs, or 404."""
-    row = reader.execute(sa.select(Sweep.__table__).where(Sweep.id == sweep_id)).mappings().one_or_none()
-    if row is None:
-        raise not_found("sweep", sweep_name(sweep_id))
+    found = reader.execute(sa.select(Sweep.__table__).where(Sweep.id == sweep_id)).mappings().one_or_none()
+    row = existing(found, "sweep", sweep_name(sweep_id))
     of = sa.select(SweepRun.value, SweepRun.run_id).where(SweepRun.sweep_id == sweep_id).order_by(SweepRun.value)
     members = reader.execute(of).all()
     known = {found.id: found for found in outcomes(reader, [Run.id.in_([member.run_id for member in members])])}
@@ -168,8 +162,7 @@ def cancel(engine: sa.Engine, sweep_id: int, visitor: Visitor) -> SweepDetail:
         # Runs of which the results were purged have ended.
         active = of.where(SweepRun.sweep_id == sweep_id, Run.purged.is_(None))
         edits.cancelled(writer, writer.scalars(active).all(), visitor, sweep=sweep_name(sweep_id))
-    with read(engine) as reader:
-        return detail(reader, sweep_id)
+    return ask(engine, lambda reader: detail(reader, sweep_id))
 
 
 def _summary(row: sa.RowMapping, found: list[tuple[str, str | None]]) -> SweepSummary:

@@ -7,7 +7,7 @@ import sqlalchemy as sa
 from backend.db import access, audit
 from backend.db.access import TokenInfo, Visitor
 from backend.db.engine import now
-from backend.http.errors import not_found
+from backend.http.errors import existing, not_found
 from backend.tokens.schemas import NewToken, Token, TokenRequest
 
 DAY = 86400.0
@@ -42,9 +42,7 @@ def revoke(engine: sa.Engine, name: str, visitor: Visitor) -> Token:
 
 def _one(reader: sa.Connection, name: str) -> Token:
     found = next((row for row in access.tokens(reader) if row.name == name), None)
-    if found is None:
-        raise not_found("token", name)
-    return _token(found, now(reader))
+    return _token(existing(found, "token", name), now(reader))
 
 
 def _token(row: TokenInfo, at: float) -> Token:

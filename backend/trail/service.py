@@ -47,12 +47,8 @@ def export(engine: sa.Engine, visitor: Visitor) -> Iterator[str]:
     with engine.begin() as writer:
         audit.note(writer, visitor, "audit.exported", "audit", {"rows": audit.head(writer).row})
         until = audit.head(writer).row
-    return _lines(engine, until)
-
-
-def _lines(engine: sa.Engine, until: int) -> Iterator[str]:
-    for row in audit.all_rows(engine, until):
-        yield json.dumps(row, sort_keys=True, separators=(",", ":"), allow_nan=False) + "\n"
+    rows = audit.all_rows(engine, until)
+    return (json.dumps(row, sort_keys=True, separators=(",", ":"), allow_nan=False) + "\n" for row in rows)
 
 
 def _entry(row: audit.Row) -> AuditEntry:

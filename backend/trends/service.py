@@ -10,7 +10,7 @@ from backend.db import labels
 from backend.db.engine import chunks
 from backend.db.sweeps import in_sweep
 from backend.db.tables import CampaignRow, Run, RunRequirement
-from backend.http.errors import RefusedError, not_found
+from backend.http.errors import RefusedError, existing
 from backend.runs import identity
 from backend.runs.facets import labels_of
 from backend.runs.outcomes import Outcome, outcomes
@@ -37,9 +37,8 @@ def trend(
         message = "give either `campaign`, a digest, or `name`, the name of campaigns"
         raise RefusedError("invalid-request", message, [Problem("campaign", digest or "", message)])
     if digest is not None:
-        name = reader.scalar(sa.select(CampaignRow.name).where(CampaignRow.digest == digest))
-        if name is None:
-            raise not_found("campaign with the digest", digest)
+        known = reader.scalar(sa.select(CampaignRow.name).where(CampaignRow.digest == digest))
+        name = existing(known, "campaign with the digest", digest)
         wanted = Run.campaign_digest == digest
     else:
         wanted = Run.campaign_digest.in_(sa.select(CampaignRow.digest).where(CampaignRow.name == name))

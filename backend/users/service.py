@@ -7,7 +7,7 @@ import sqlalchemy as sa
 from backend.db import audit, identities, users
 from backend.db.access import LOCAL, Visitor
 from backend.db.engine import now
-from backend.http.errors import RefusedError, not_found
+from backend.http.errors import RefusedError, existing
 from backend.http.matches import require_match, tag
 from backend.users.schemas import AccessSettings, Invitation, User, UserChange, UserInvite
 from campaigns import Problem
@@ -43,10 +43,7 @@ def renew(writer: sa.Connection, name: str, public_url: str, visitor: Visitor) -
 
 def one(reader: sa.Connection, name: str) -> User:
     """A user, or 404."""
-    found = next((user for user in listed(reader) if user.name == name), None)
-    if found is None:
-        raise not_found("user", name)
-    return found
+    return existing(next((user for user in listed(reader) if user.name == name), None), "user", name)
 
 
 def change(engine: sa.Engine, name: str, wanted: UserChange, visitor: Visitor, match: str | None = None) -> User:

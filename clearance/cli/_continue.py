@@ -9,7 +9,7 @@ from __future__ import annotations
 import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import NamedTuple
 
@@ -28,10 +28,9 @@ from campaigns.results import Verdict
 from campaigns.runs import ENDED, run_name
 from campaigns.stages.plan import plan
 from campaigns.stored.records import Columns, StagePlan
-from campaigns.versions import Versions
 from clearance.cli import WrongInputError
 from clearance.cli._where import existing_url_of, stored_run
-from clearance.local.citation import Cited
+from clearance.local.citation import Cited, Earlier
 from clearance.local.interrupt import explained
 from clearance.local.results import read_folder, refuse_other_campaign, refuse_other_components, versions_of, violated
 from worker.engine.stages.parts.store import Store
@@ -54,24 +53,13 @@ class Continued(NamedTuple):
 
 
 @dataclass(frozen=True)
-class _Earlier:
-    run: str
-    campaign: Campaign
-    store: MemoryStore
-    versions: Versions
-    modules: dict[str, str]
-    violated: bool = False
-    """Whether its verdict is, where its store has no findings."""
+class _Earlier(Earlier):
+    modules: dict[str, str] = field(default_factory=dict)
 
     def onward(self, budget: Budget) -> tuple[Campaign, dict[int, Columns]]:
         campaign = continued(self.campaign, budget)
         refuse_other_code(campaign, self.versions, self.modules)
         return campaign, carried(self.campaign, campaign, self.store, violated=self.violated)
-
-    @property
-    def cited(self) -> Cited:
-        cited: Cited = {"run": self.run, "digest": self.campaign.digest}
-        return cited if self.versions.code else {**cited, "code": None}
 
 
 def execute_continued(
@@ -97,7 +85,7 @@ def execute_continued(
 
 def _of_folder(folder: Path, budget: Budget, execute: Execute, accept: Callable[[Campaign], None]) -> Continued:
     campaign, store = read_folder(folder)
-    earlier = _Earlier(str(folder), campaign, store, versions_of(folder), {}, violated(folder))
+    earlier = _Earlier(str(folder), campaign, store, versions_of(folder), violated(folder))
     onward, columns = earlier.onward(budget)
     refuse_other_campaign(folder, campaign)
     accept(onward)
@@ -158,13 +146,8 @@ def _earlier(engine: sa.Engine, run_id: int) -> _Earlier:
             raise CannotContinue(what, RefusalCode.OTHER_COMPONENTS) from None
         refuse_other_components(campaign, descriptions)
         versions = stored.versions(connection, run_id)
-        return _Earlier(
-            run_name(run_id),
-            campaign,
-            _snapshot(connection, run_id),
-            versions,
-            codes.modules(connection, versions.code),
-        )
+        modules, store = codes.modules(connection, versions.code), _snapshot(connection, run_id)
+        return _Earlier(run_name(run_id), campaign, store, versions, modules=modules)
 
 
 def _under_lease(engine: sa.Engine, claim: Claim, campaign: Campaign, execute: Execute) -> Verdict:

@@ -19,51 +19,45 @@ from clearance.client.session import Session
 
 P = ParamSpec("P")
 T = TypeVar("T")
+A = TypeVar("A")
 SERVICE = "http://127.0.0.1:8000"
 PATIENCE = 120.0
 """How long to repeat a request while the service does not respond [s]."""
 
 
-class _Method(Generic[P, T]):
-    """A script as a method of a client."""
+class _Method(Generic[P, T, A]):
+    """A script as a method: what it returns in a blocking client, and what in the other."""
 
-    def __init__(self, script: Callable[Concatenate[Session, P], Script[T]]) -> None:
-        self.script = script
+    def __init__(self, script: Callable[..., Any], run: str) -> None:
+        self.script, self.run = script, run
         self.__doc__ = script.__doc__
 
     @overload
     def __get__(self, client: Client, kind: object = None) -> Callable[P, T]: ...
 
     @overload
-    def __get__(self, client: AsyncClient, kind: object = None) -> Callable[P, Awaitable[T]]: ...
+    def __get__(self, client: AsyncClient, kind: object = None) -> Callable[P, A]: ...
 
     def __get__(self, client: Any, kind: object = None) -> Any:
-        return self if client is None else _run_by(client, client._finished, self.script)
+        if client is None:
+            return self
+
+        @functools.wraps(self.script)
+        def method(*positional: Any, **named: Any) -> Any:
+            return getattr(client, self.run)(self.script(client.session, *positional, **named))
+
+        return method
 
 
-class _Iterated(Generic[P, T]):
-    """A script as a method of a client that hands out values one by one."""
-
-    def __init__(self, script: Callable[Concatenate[Session, P], AsyncGenerator[T]]) -> None:
-        self.script = script
-        self.__doc__ = script.__doc__
-
-    @overload
-    def __get__(self, client: Client, kind: object = None) -> Callable[P, Iterator[T]]: ...
-
-    @overload
-    def __get__(self, client: AsyncClient, kind: object = None) -> Callable[P, AsyncGenerator[T]]: ...
-
-    def __get__(self, client: Any, kind: object = None) -> Any:
-        return self if client is None else _run_by(client, client._each, self.script)
+def _method(script: Callable[Concatenate[Session, P], Script[T]]) -> _Method[P, T, Awaitable[T]]:
+    return _Method(script, "_finished")
 
 
-def _run_by(client: _Methods, run: Callable[[Any], Any], script: Callable[..., Any]) -> Any:
-    @functools.wraps(script)
-    def method(*positional: Any, **named: Any) -> Any:
-        return run(script(client.session, *positional, **named))
-
-    return method
+def _iterated(
+    script: Callable[Concatenate[Session, P], AsyncGenerator[T]],
+) -> _Method[P, Iterator[T], AsyncGenerator[T]]:
+    """One that hands out values one by one."""
+    return _Method(script, "_each")
 
 
 class _Methods:
@@ -73,6 +67,20 @@ class _Methods:
     _finished: Callable[[Any], Any]
     """How a script is run, and one that hands out values."""
     _each: Callable[[Any], Any]
+    _library: Callable[..., Any]
+    """The client of httpx, and what has it send."""
+    _driver: Callable[[Any], Blocking | Awaiting]
+
+    def __init__(
+        self, url: str | None = None, token: str | None = None, *, patience: float = PATIENCE, **how: Any
+    ) -> None:
+        """Address and token are from the environment if they are not stated; `ValueError` for a patience of nan."""
+        if not patience >= 0.0:  # nan would never run out
+            raise ValueError(f"patience is {patience}; give 0 or more seconds")
+        address = str(url or os.environ.get("CLEARANCE_SERVICE") or SERVICE).rstrip("/")
+        secret = (os.environ.get("CLEARANCE_TOKEN", "") if token is None else token).strip()
+        self._http = self._library(**settings(address, secret, how))
+        self.session = Session(address, patience, self._driver(self._http))
 
     @property
     def address(self) -> str:
@@ -83,45 +91,37 @@ class _Methods:
         """The page of a run."""
         return f"{self.address}/runs/{calls.name_of(run)}"
 
-    submit = _Method(asking(calls.submit))
-    search = _Method(scripts.search)
-    wait = _Method(scripts.wait)
-    follow = _Iterated(scripts.follow)
-    run = _Method(asking(calls.run))
-    runs = _Iterated(scripts.runs)
-    run_page = _Method(asking(calls.run_page))
-    cancel = _Method(asking(calls.cancel))
-    retry = _Method(asking(calls.retry))
-    restart = _Method(asking(calls.restart))
-    carry_on = _Method(asking(calls.carry_on))
-    findings = _Method(scripts.findings)
-    most_likely_violation = _Method(asking(calls.most_likely_violation))
-    evaluations = _Method(scripts.evaluations)
-    signoffs = _Method(asking(calls.signoffs))
-    traces = _Method(asking(calls.traces))
-    trace = _Method(scripts.trace)
-    exports = _Method(asking(calls.exports))
-    export = _Method(scripts.export)
-    report = _Method(scripts.report)
-    picture = _Method(scripts.picture)
-    campaign_text = _Method(scripts.campaign_text)
-    sweep = _Method(asking(calls.sweep))
-    read_sweep = _Method(asking(calls.read_sweep))
-    wait_sweep = _Method(scripts.wait_sweep)
-    follow_sweep = _Iterated(scripts.follow_sweep)
-    cancel_sweep = _Method(asking(calls.cancel_sweep))
-    export_sweep = _Method(scripts.export_sweep)
-    check = _Method(asking(calls.check))
-    schema = _Method(asking(calls.schema))
-    health = _Method(asking(calls.health))
-
-
-def _settings(url: str | None, token: str | None, patience: float) -> tuple[str, str]:
-    """Address and token, from the environment where they are not stated; raises `ValueError` for a patience of nan."""
-    if not patience >= 0.0:  # nan would never run out
-        raise ValueError(f"patience is {patience}; give 0 or more seconds")
-    address = str(url or os.environ.get("CLEARANCE_SERVICE") or SERVICE)
-    return address.rstrip("/"), (os.environ.get("CLEARANCE_TOKEN", "") if token is None else token).strip()
+    submit = _method(asking(calls.submit))
+    search = _method(scripts.search)
+    wait = _method(scripts.wait)
+    follow = _iterated(scripts.follow)
+    run = _method(asking(calls.run))
+    runs = _iterated(scripts.runs)
+    run_page = _method(asking(calls.run_page))
+    cancel = _method(asking(calls.cancel))
+    retry = _method(asking(calls.retry))
+    restart = _method(asking(calls.restart))
+    carry_on = _method(asking(calls.carry_on))
+    findings = _method(scripts.findings)
+    most_likely_violation = _method(asking(calls.most_likely_violation))
+    evaluations = _method(scripts.evaluations)
+    signoffs = _method(asking(calls.signoffs))
+    traces = _method(asking(calls.traces))
+    trace = _method(scripts.trace)
+    exports = _method(asking(calls.exports))
+    export = _method(scripts.export)
+    report = _method(scripts.report)
+    picture = _method(scripts.picture)
+    campaign_text = _method(scripts.campaign_text)
+    sweep = _method(asking(calls.sweep))
+    read_sweep = _method(asking(calls.read_sweep))
+    wait_sweep = _method(scripts.wait_sweep)
+    follow_sweep = _iterated(scripts.follow_sweep)
+    cancel_sweep = _method(asking(calls.cancel_sweep))
+    export_sweep = _method(scripts.export_sweep)
+    check = _method(asking(calls.check))
+    schema = _method(asking(calls.schema))
+    health = _method(asking(calls.health))
 
 
 class Client(_Methods):
@@ -135,14 +135,8 @@ class Client(_Methods):
     request, and `UnreachableError` if it does not respond in time.
     """
 
+    _library, _driver = httpx.Client, Blocking
     _finished, _each = staticmethod(finished), staticmethod(each)
-
-    def __init__(
-        self, url: str | None = None, token: str | None = None, *, patience: float = PATIENCE, **how: Any
-    ) -> None:
-        address, secret = _settings(url, token, patience)
-        self._http = httpx.Client(**settings(address, secret, how))
-        self.session = Session(address, patience, Blocking(self._http))
 
     def close(self) -> None:
         """Close the connections of the client."""
@@ -161,14 +155,8 @@ class AsyncClient(_Methods):
     Further arguments are those of `httpx.AsyncClient`.
     """
 
+    _library, _driver = httpx.AsyncClient, Awaiting
     _finished = _each = staticmethod(lambda script: script)
-
-    def __init__(
-        self, url: str | None = None, token: str | None = None, *, patience: float = PATIENCE, **how: Any
-    ) -> None:
-        address, secret = _settings(url, token, patience)
-        self._http = httpx.AsyncClient(**settings(address, secret, how))
-        self.session = Session(address, patience, Awaiting(self._http))
 
     async def close(self) -> None:
         """Close the connections of the client."""

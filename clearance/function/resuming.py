@@ -8,45 +8,18 @@ search is not resumed.
 from __future__ import annotations
 
 from pathlib import Path
-from typing import NamedTuple
 
 from campaigns import Campaign
 from campaigns.identity.identity import differences, identity_of, simulator_of
 from campaigns.sample_seed import SampleSeed
 from campaigns.stages.plan import plan
-from campaigns.versions import Versions
 from clearance.function.result import Evaluations, Interrupted
-from clearance.local.citation import Cited
+from clearance.local.citation import Earlier
 from clearance.local.results import read_folder, refuse_other_document, versions_of, violated
 from worker.engine.problem.problem import Problem
-from worker.running.runs.continuation import (
-    Budget,
-    CannotContinue,
-    WouldLose,
-    carried,
-    preloaded,
-    raised,
-    same_sample,
-)
+from worker.running.runs.continuation import Budget, CannotContinue, WouldLose, carried, preloaded, raised, same_sample
 from worker.running.runs.provenance import versions
 from worker.running.runs.store import MemoryStore
-
-
-class Earlier(NamedTuple):
-    """A search that ended or was interrupted: its name, its campaign, its evaluations, and what evaluated them."""
-
-    name: str
-    campaign: Campaign
-    store: MemoryStore
-    versions: Versions
-    violated: bool = False
-    """Whether its verdict is, where its store has no findings."""
-
-    @property
-    def cited(self) -> Cited:
-        """It, as the run that is extended."""
-        cited: Cited = {"run": self.name, "digest": self.campaign.digest}
-        return cited if self.versions.code else {**cited, "code": None}
 
 
 def earlier(resume: object) -> Earlier:

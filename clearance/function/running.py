@@ -44,7 +44,8 @@ def run(
         store = MemoryStore(sample_seed=seed or SampleSeed.drawn())
     else:
         store = resuming.store(campaign, problem, before, seed)
-    origin = Origin(campaign, problem, store, known, tuple(request.ranges), before and before.cited)
+    cites = None if before is None else before.cited
+    origin = Origin(campaign, problem, store, known, tuple(request.ranges), cites)
     # Ctrl-C is not lost where this is the main thread and has no other handler.
     usual = threading.current_thread() is threading.main_thread() and (
         signal.getsignal(signal.SIGINT) is signal.default_int_handler

@@ -200,9 +200,9 @@ def test_a_run_of_other_code_has_three_ways_on(service: Service, place: Path, tm
     with Release(place, OTHER_METHOD).worker(service.url, tmp_path, "new"):
         until(lambda: all(service.refused(run) for run in (old, anew, carried)), "all are refused")
         with service.engine.begin() as writer:
-            assert waiting.restart(writer, anew)
+            assert all(waiting.waits(writer, run) for run in (anew, carried))
+            waiting.restart(writer, anew)
             further = waiting.carry(writer, carried, QUICK, catalogue())
-        assert further is not None
         assert service.ended(anew).state == RunState.DONE
         assert service.ended(further).state == RunState.DONE
     before, after = Versions.of(service.run(old).flown), Versions.of(service.run(anew).flown)
@@ -211,8 +211,7 @@ def test_a_run_of_other_code_has_three_ways_on(service: Service, place: Path, tm
     assert (service.run(carried).state, service.run(further).continues) == (RunState.CANCELLED, carried)
     assert service.evaluated(further, 0) == service.evaluated(carried, 0), "the nominal stage is carried over"
     with service.engine.begin() as writer:
-        assert not waiting.restart(writer, anew), "it does not wait"
-        assert waiting.carry(writer, further, QUICK, catalogue()) is None
+        assert not any(waiting.waits(writer, run) for run in (anew, further))
     with Release(place).worker(service.url, tmp_path, "old"):
         ended = service.ended(old)
     assert (ended.state, Versions.of(ended.flown).code) == (RunState.DONE, before.code)

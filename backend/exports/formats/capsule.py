@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from backend.catalog.service import snapshot_of
 from backend.db import codes, continuation, sources
 from backend.db.digest import results_digest
-from backend.db.engine import read
+from backend.db.engine import ask
 from backend.exports import service
 from backend.exports.format import Format, Stored, Words
 from backend.http.deps import account, capacities
@@ -82,11 +82,10 @@ def _words(stored: Stored) -> Words:
 async def _answer(request: Request, run: str, label: str, dark: bool) -> Response:
     run_id = runs.number(run)
 
-    def looked() -> tuple[Content, dict[str, str]]:
-        with read(request.app.state.engine) as reader:
-            return content(reader, run_id, label), service.headers(reader, run_id, f"capsule-{label}.zip")
+    def looked(reader: sa.Connection) -> tuple[Content, dict[str, str]]:
+        return content(reader, run_id, label), service.headers(reader, run_id, f"capsule-{label}.zip")
 
-    found, headers = await run_in_threadpool(looked)
+    found, headers = await run_in_threadpool(ask, request.app.state.engine, looked)
     if service.unchanged(request, headers):
         return Response(status_code=304, headers=headers)
     page = await _page_of(request, run_id, label)

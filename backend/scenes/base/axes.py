@@ -14,14 +14,9 @@ from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
 
 Floats = NDArray[np.float64]
-
-_HALF = np.sqrt(0.5)
-_WORLD = np.array([0.0, _HALF, _HALF, 0.0])
-"""w, x, y, z of half a turn about the line between north and east."""
-_BODY = np.array([0.0, 1.0, 0.0, 0.0])
-"""Half a turn about x."""
 
 
 @dataclass(frozen=True)
@@ -40,7 +35,12 @@ class Axes:
         return self.turned(quaternion(rotation))
 
     def turned(self, attitude: Floats) -> Floats:
-        return attitude if self.frame == "enu" else product(product(_WORLD, attitude), _BODY)
+        """A quaternion in these axes (..., 4) as one in the scene's: between the two half turns."""
+        if self.frame == "enu":
+            return attitude
+        w, x, y, z = np.moveaxis(attitude, -1, 0)
+        found: Floats = -np.sqrt(0.5) * np.stack([w + z, x + y, x - y, w - z], axis=-1)
+        return found
 
     def about_vertical(self, angle: float) -> Floats:
         """Quaternion of a rotation about the vertical, `angle` [rad] from x towards y of these axes.
@@ -57,24 +57,8 @@ def axes_of(frame: object) -> Axes:
 
 def quaternion(rotation: Floats) -> Floats:
     """Quaternion (..., 4) of roll, pitch, yaw (..., 3) [rad]: about z, then the new y, then the new x."""
-    half = np.moveaxis(rotation / 2, -1, 0)
-    (cr, cp, cy), (sr, sp, sy) = np.cos(half), np.sin(half)
-    return np.stack(
-        [
-            cr * cp * cy + sr * sp * sy,
-            sr * cp * cy - cr * sp * sy,
-            cr * sp * cy + sr * cp * sy,
-            cr * cp * sy - sr * sp * cy,
-        ],
-        axis=-1,
-    )
-
-
-def product(a: Floats, b: Floats) -> Floats:
-    """Quaternion product (..., 4): rotation b followed by rotation a."""
-    (w, u), (z, v) = ((one[..., :1], one[..., 1:]) for one in (a, b))
-    scalar = w * z - np.sum(u * v, axis=-1, keepdims=True)
-    return np.concatenate([scalar, w * v + z * u + np.cross(u, v)], axis=-1)
+    found: Floats = Rotation.from_euler("ZYX", rotation[..., ::-1]).as_quat(scalar_first=True)
+    return found
 
 
 def along(direction: Floats) -> Floats:

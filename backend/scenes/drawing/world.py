@@ -143,18 +143,9 @@ class World:
         foot = np.array([*(self.frame.middle[:2] - 0.5 * self.frame.sides[:2]), self.ground])
         tip = foot + np.array([0.0, length, 0.0])
         head = shapes.arrow()
-        turned = (head.vertices * 0.35 * length)[:, (1, 0, 2)] + (0.0, length, 0.0)
+        turned = (head.vertices * 0.35 * length)[:, (1, 0, 2)] + tip
         self._line("/north/shaft", np.stack([foot, tip])[None], self.palette.soft)
-        self._scene.add_mesh_simple(
-            "/north/head",
-            turned.astype(np.float32),
-            head.faces.astype(np.uint32),
-            color=rgb(self.palette.soft),
-            side="double",
-            cast_shadow=False,
-            receive_shadow=False,
-            position=foot,
-        )
+        self._solids.mesh("/north/head", shapes.Mesh(turned, head.faces), rgb(self.palette.soft))
         self._name("/north/label", "N", foot + 1.45 * (tip - foot), "bottom-center")
 
     def _heights(self) -> None:

@@ -19,7 +19,7 @@ from fastapi.responses import RedirectResponse, Response
 
 from backend.catalog.service import published_digest
 from backend.db.digest import results_digest
-from backend.db.engine import read
+from backend.db.engine import ask
 from backend.db.tables import Finding
 from backend.http.capacity import Capacity, Gone
 from backend.http.deps import account
@@ -72,17 +72,15 @@ class Recordings:
         404 if there is no such run or stored flight; 503 if too many are being created.
         account, gone: as in `Capacity.run`.
         """
-        request = await run_in_threadpool(self._look, run_id, flight, dark)
+        request = await run_in_threadpool(
+            ask, self._engine, lambda reader: _recording_request(reader, run_id, flight, dark)
+        )
         if request.tag in known:
             return request.tag
         page = self._recall(request.tag)
         if page is None:
             page = await self._capacity.run(account, lambda: self._made(request, dark), gone)
         return Recorded(page, request.tag, named(request.caption.run, request.caption.name, f"flight-{flight}.html"))
-
-    def _look(self, run_id: int, flight: str, dark: bool) -> _RecordingRequest:
-        with read(self._engine) as reader:
-            return _recording_request(reader, run_id, flight, dark)
 
     def _made(self, request: _RecordingRequest, dark: bool) -> str:
         page = self._recall(request.tag)  # created while this request waited

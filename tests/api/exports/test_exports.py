@@ -20,9 +20,10 @@ from backend.db.tables import CatalogueDocument, EvaluationChunk, Run
 from backend.exports.formats.evaluations_csv import evaluations_csv
 from backend.exports.sheet import sheet
 from backend.http.naming import disposition, named
-from backend.http.written import lines
+from backend.http.written import finite_all, lines
 from backend.runs.service import campaign
 from backend.scenes.recordings import recording
+from campaigns.results.base import STATUS
 from campaigns.results.finding import ReferenceCost
 from campaigns.stored.records import Columns, StagePlan, Trace
 from clearance.client import Client
@@ -181,7 +182,16 @@ def test_the_file_is_that_of_a_writer_of_rows(service: Service, client: httpx.Cl
     rows: list[list[object]] = [["stage", "kind", "method", *found.columns]]
     for stage in found.stages:
         place = [stage.position, stage.kind, stage.method]
-        rows += [place + row for block in found.blocks(service.engine, stage) for row in block.rows()]
+        for block in found.blocks(service.engine, stage):
+            words, why = [STATUS[code] for code in block.status.tolist()], map(block.reasons.get, block.indices)
+            cells = (
+                words,
+                why,
+                block.seconds.tolist(),
+                *map(finite_all, block.costs),
+                *map(np.ndarray.tolist, block.values),
+            )
+            rows += [[*place, *row] for row in zip(block.indices, *cells, strict=True)]
     assert len(rows) == 11
     assert b"".join(evaluations_csv(service.engine, 1)) == lines(rows)
 

@@ -39,4 +39,5 @@ def test_the_memory_is_bounded() -> None:
     bucket = Rates(60, Clock())
     for number in range(rates.MOST + 50):
         bucket.wait(str(number))
-    assert len(bucket._buckets) == rates.MOST
+    assert bucket._bucket.cache_info().currsize == rates.MOST
+    assert bucket.wait(str(rates.MOST)) == 0, "of those that were used last none is forgotten"

@@ -138,23 +138,25 @@ export function write<T>(document: T, at: readonly (string | number)[], value: u
   const [key, ...rest] = at
   if (key === undefined) return value as T
   const copy = (Array.isArray(document) ? [...document] : { ...document }) as Record<string | number, unknown>
-  if (rest.length > 0) copy[key] = write(copy[key] ?? {}, rest, value)
+  if (rest.length > 0) copy[key] = write(copy[key] ?? (typeof rest[0] === 'number' ? [] : {}), rest, value)
   else if (value === undefined) delete copy[key]
   else copy[key] = value
   return copy as T
 }
 
+/** The path of a parameter once a part of a list is removed; null if it is of that part. */
+export function movedPath(path: string, list: List | 'objectives', index: number): string | null {
+  const [head, number, ...rest] = path.split('.')
+  if (head !== list || Number(number) < index) return path
+  return Number(number) === index ? null : [head, Number(number) - 1, ...rest].join('.')
+}
+
 /** Removes one part of a list, with all references to it; the indices in later paths are decremented. */
 export function without(campaign: Campaign, list: List | 'objectives', index: number): Campaign {
-  const moved = (path: string): string | null => {
-    const [head, number, ...rest] = path.split('.')
-    if (head !== list || Number(number) < index) return path
-    return Number(number) === index ? null : [head, Number(number) - 1, ...rest].join('.')
-  }
   const kept = <T>(values: Record<string, T>): Record<string, T> =>
     Object.fromEntries(
       Object.entries(values).flatMap(([path, value]) => {
-        const now = moved(path)
+        const now = movedPath(path, list, index)
         return now === null ? [] : [[now, value] as const]
       }),
     )
@@ -168,7 +170,7 @@ export function without(campaign: Campaign, list: List | 'objectives', index: nu
     stages: { ...stages, search },
     ...(correlations && {
       correlations: correlations.flatMap((pair) => {
-        const between = pair.between.map(moved)
+        const between = pair.between.map((path) => movedPath(path, list, index))
         return between.some((path) => path === null) ? [] : [{ ...pair, between: between as string[] }]
       }),
     }),

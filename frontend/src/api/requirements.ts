@@ -2,7 +2,6 @@
 import { queryOptions } from '@tanstack/react-query'
 import type { Imported, RequirementFileOut } from '../client'
 import * as sdk from '../client'
-import { client } from '../client/client.gen'
 import { at } from '../format/root'
 import { answer } from './calls'
 import { paged } from './queries'
@@ -36,15 +35,7 @@ export interface RequirementImport {
 
 /** Sends a file as it is. */
 export const importFile = ({ file, idAttribute, textAttribute }: RequirementImport): Promise<Imported> =>
-  answer(
-    client.post({
-      url: `${AT}/files`,
-      query: { name: file.name, kind: kindOf(file.name), id_attribute: idAttribute, text_attribute: textAttribute },
-      body: file,
-      bodySerializer: null,
-      headers: { 'Content-Type': 'application/octet-stream' },
-    }) as Promise<{ data?: Imported; error?: unknown; response?: Response }>,
-  )
+  answer(sdk.importRequirements({ body: file, query: { name: file.name, kind: kindOf(file.name), id_attribute: idAttribute, text_attribute: textAttribute } }))
 
 /** What a file is, by its name. */
 export const kindOf = (name: string): 'csv' | 'reqif' => (/\.(reqifz?|xml)$/i.test(name) ? 'reqif' : 'csv')

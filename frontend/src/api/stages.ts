@@ -11,6 +11,8 @@ export type SlicesResult = Having<'curves'>
 /** A result with the minima at which its descents ended. */
 export type MinimaResult = Having<'minima'>
 
+/** A result with a Pareto front. */
+export type FrontResult = Having<'front'>
 /** A result with an estimate of P(violation). */
 export type EstimationResult = Having<'alarms'>
 

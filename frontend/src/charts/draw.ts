@@ -28,20 +28,25 @@ export function drawTint(u: uPlot, spec: PlotSpec): void {
 
 /** Vertical lines, below the curves' markers. */
 export function drawRules(u: uPlot, spec: PlotSpec): void {
-  const { ctx, bbox } = u
+  const { bbox } = u
   for (const rule of spec.rules ?? []) {
     const x = u.valToPos(rule.x, 'x', true)
     if (x < bbox.left || x > bbox.left + bbox.width) continue
-    ctx.save()
-    ctx.strokeStyle = colour(rule.colour)
-    ctx.lineWidth = devicePixelRatio
-    ctx.setLineDash([2 * devicePixelRatio, 3 * devicePixelRatio])
-    ctx.beginPath()
-    ctx.moveTo(x, bbox.top)
-    ctx.lineTo(x, bbox.top + bbox.height)
-    ctx.stroke()
-    ctx.restore()
+    dashed(u, rule.colour, 1, [2, 3], [x, bbox.top], [x, bbox.top + bbox.height])
   }
+}
+
+/** A dashed line of this width; the lengths of dashes and gaps are in CSS pixels, too. */
+function dashed({ ctx }: uPlot, name: string, width: number, dash: readonly number[], from: [number, number], to: [number, number]): void {
+  ctx.save()
+  ctx.strokeStyle = colour(name)
+  ctx.lineWidth = width * devicePixelRatio
+  ctx.setLineDash(dash.map((length) => length * devicePixelRatio))
+  ctx.beginPath()
+  ctx.moveTo(...from)
+  ctx.lineTo(...to)
+  ctx.stroke()
+  ctx.restore()
 }
 
 export function drawCriteria(u: uPlot, spec: PlotSpec): void {
@@ -50,19 +55,11 @@ export function drawCriteria(u: uPlot, spec: PlotSpec): void {
 }
 
 function drawCriterion(u: uPlot, criterion: { value: number; label?: string; right?: boolean }): void {
-  const { ctx, bbox } = u
+  const { bbox } = u
   const y = u.valToPos(criterion.value, 'y', true)
   if (y < bbox.top - 1 || y > bbox.top + bbox.height + 1) return
   const ratio = devicePixelRatio
-  ctx.save()
-  ctx.strokeStyle = colour('--c-crit')
-  ctx.lineWidth = 1.25 * ratio
-  ctx.setLineDash([5 * ratio, 4 * ratio])
-  ctx.beginPath()
-  ctx.moveTo(bbox.left, y)
-  ctx.lineTo(bbox.left + bbox.width, y)
-  ctx.stroke()
-  ctx.restore()
+  dashed(u, '--c-crit', 1.25, [5, 4], [bbox.left, y], [bbox.left + bbox.width, y])
   if (!criterion.label) return
   const x = criterion.right ? bbox.left + bbox.width - 6 * ratio : bbox.left + 6 * ratio
   text(u, criterion.label, x, y - 8 * ratio, '--ink', criterion.right ? 'right' : 'left')

@@ -4,6 +4,7 @@ import { type ReactNode, useState } from 'react'
 import { exact } from '../format/numbers'
 import { Seg } from '../ui/Card'
 import { figures } from '../ui/styles'
+import { extremes } from './ticks'
 
 export interface Reach {
   /** The criterion, if the axis includes it. */
@@ -31,12 +32,6 @@ export function useReach(values: readonly number[], threshold: number | null, un
 
 /** Whether a value is more than six spreads away from all others. */
 export function isFar(values: readonly number[], value: number): boolean {
-  if (values.length === 0) return false
-  let low = values[0] as number
-  let high = low
-  for (const each of values) {
-    if (each < low) low = each
-    if (each > high) high = each
-  }
+  const [low, high] = extremes(values) ?? [value, value]
   return Math.max(low - value, value - high) > 6 * (high - low)
 }

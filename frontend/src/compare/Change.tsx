@@ -1,4 +1,6 @@
 // The change of verdict and worst case from the first run to the others, in one sentence.
+import { upperFirst } from '@mantine/hooks'
+import { tally } from '../format/names'
 import { decimalsFor, fixed, margin } from '../format/numbers'
 import { Sign } from '../ui/Sign'
 import { lookOf, type Outcome, OutcomeIcon, outcomeOf, wordOf } from '../ui/VerdictBadge'
@@ -22,7 +24,7 @@ export function Change({ runs }: { runs: Compared[] }) {
             ? `${runs.length === 2 ? 'Both' : `All ${runs.length}`} ${words[0]}`
             : runs.length === 2
               ? `From ${words[0]} to ${words[1]}`
-              : tally(words)}
+              : counted(words)}
         </div>
         {runs.length === 2 ? <Two a={a} b={b} /> : <Many runs={runs} />}
         <OtherCode runs={runs.map(({ run }) => run)} />
@@ -85,9 +87,4 @@ export const gravest = (outcomes: readonly Outcome[]): Outcome =>
   outcomes.find((one) => one === 'inconclusive') ??
   'cleared'
 
-function tally(words: string[]): string {
-  const counts = new Map<string, number>()
-  for (const word of words) counts.set(word, (counts.get(word) ?? 0) + 1)
-  const text = [...counts].map(([word, n]) => `${n} ${word}`).join(', ')
-  return text.charAt(0).toUpperCase() + text.slice(1)
-}
+const counted = (words: string[]): string => upperFirst([...tally(words)].map(([word, n]) => `${n} ${word}`).join(', '))

@@ -1,14 +1,11 @@
 // Matches findings of several runs by their positions within common bounds.
 import type { FindingDetail } from '../client'
-import type { UncertainParameter } from '../run/data/data'
+import type { Compared } from './data'
 
 /** Maximum difference of each parameter between matching findings, as a fraction of its range. */
 export const APART = 0.1
 
-export interface Searched {
-  findings: readonly FindingDetail[]
-  parameters: readonly UncertainParameter[]
-}
+export type Searched = Pick<Compared, 'findings' | 'parameters'>
 
 /** One distinct worst case, in each run that has it. */
 export type Case = (FindingDetail | null)[]

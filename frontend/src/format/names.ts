@@ -44,8 +44,9 @@ export function apart(name: string): [string, string] {
 
 export const lastOf = (path: string): string => path.split('.').at(-1) ?? path
 
-function tally(words: readonly string[]): Map<string, number> {
-  const found = new Map<string, number>()
+/** How often each of these occurs, in the order in which they first do. */
+export function tally<T>(words: readonly T[]): Map<T, number> {
+  const found = new Map<T, number>()
   for (const word of words) found.set(word, (found.get(word) ?? 0) + 1)
   return found
 }

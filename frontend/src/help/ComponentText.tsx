@@ -2,32 +2,22 @@
 import type { ComponentEntry, ParameterEntry } from '../client'
 import { plain } from '../format/numbers'
 import { unitText } from '../format/units'
-import { type Column, Table } from '../ui/Table'
+import { type Column, type Columns, Table } from '../ui/Table'
 import { Sign } from '../ui/Sign'
 import { Docstring } from './Docstring'
 
 export function ComponentText({ component, open }: { component: ComponentEntry; open?: boolean }) {
-  const groups = [
-    { title: 'Parameters', entries: component.parameters },
-    { title: 'Start states', entries: component.starts },
-    { title: 'Goal', entries: component.goals },
-  ].filter((group) => group.entries.length > 0)
   return (
     <>
       <Docstring text={component.text} />
-      {groups.map((group) => (
-        <details key={group.title} open={open}>
-          <summary>
-            {group.title}: {group.entries.length}
-          </summary>
-          <Parameters entries={group.entries} />
-        </details>
-      ))}
+      <Listed title="Parameters" rows={component.parameters} columns={PARAMETERS} open={open} />
+      <Listed title="Start states" rows={component.starts} columns={PARAMETERS} open={open} />
+      <Listed title="Goal" rows={component.goals} columns={PARAMETERS} open={open} />
     </>
   )
 }
 
-const COLUMNS: readonly Column<ParameterEntry>[] = [
+export const PARAMETERS: readonly Column<ParameterEntry>[] = [
   { head: 'Name', tone: 'mono', cell: ({ name }) => name },
   { head: 'Symbol', cell: ({ symbol }) => <Sign text={symbol} /> },
   { head: 'Meaning', tone: 'sec', cell: ({ text }) => text },
@@ -36,6 +26,22 @@ const COLUMNS: readonly Column<ParameterEntry>[] = [
   { head: 'Unit', tone: 'sec', cell: ({ unit }) => unitText(unit) },
 ]
 
-export const Parameters = ({ entries }: { entries: readonly ParameterEntry[] }) => (
-  <Table tight rows={entries} by={({ name }) => name} columns={COLUMNS} />
-)
+interface ListedProps<T> {
+  title: string
+  rows: readonly T[]
+  columns: Columns<T>
+  open?: boolean
+}
+
+/** What belongs to an entry of the catalogue, folded; nothing if there is none. */
+export function Listed<T extends { name: string }>({ title, rows, columns, open }: ListedProps<T>) {
+  if (rows.length === 0) return null
+  return (
+    <details open={open}>
+      <summary>
+        {title}: {rows.length}
+      </summary>
+      <Table tight rows={rows} by={({ name }) => name} columns={columns} />
+    </details>
+  )
+}

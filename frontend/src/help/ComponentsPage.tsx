@@ -1,16 +1,13 @@
 // The equations, sources and parameters of all components, from the catalogue: the texts are their docstrings.
 import { useQuery } from '@tanstack/react-query'
-import { Fragment } from 'react'
 import { catalogueQuery } from '../api/queries'
 import { Skipped } from '../page/Skipped'
 import { useTitle } from '../page/useTitle'
-import type { ComponentEntry, SimulatorEntry } from '../client'
+import type { ComponentEntry } from '../client'
 import { ComponentText } from './ComponentText'
-import { HelpFrame, Unread } from './HelpFrame'
+import { Chapters, HelpFrame, Unread } from './HelpFrame'
 import { idOfComponent } from './links'
 import { SimulatorText } from './SimulatorText'
-import { Card } from '../ui/Card'
-import { layout } from '../ui/styles'
 
 const ROLES: readonly [ComponentEntry['role'], string][] = [
   ['vehicle', 'Vehicles'],
@@ -29,9 +26,14 @@ export function ComponentsPage() {
   const groups = [
     ...ROLES.map(([role, title]) => {
       const found = components.filter((component) => component.role === role)
-      return { title, entries: found.map((one) => ({ id: idOfComponent(role, one.name), name: distinctTitle(one, found), card: <Component component={one} /> })) }
+      const entries = found.map((one) => ({
+        ...entryOf(role, one, distinctTitle(one, found)),
+        right: <span className="small mut">{facts(one)}</span>,
+        text: <ComponentText component={one} />,
+      }))
+      return { title, entries }
     }),
-    { title: 'Simulators', entries: simulators.map((one) => ({ id: idOfComponent('simulator', one.name), name: one.title, card: <Simulator simulator={one} /> })) },
+    { title: 'Simulators', entries: simulators.map((one) => ({ ...entryOf('simulator', one), text: <SimulatorText simulator={one} /> })) },
   ].filter(({ entries }) => entries.length > 0)
   return (
     <HelpFrame
@@ -41,14 +43,7 @@ export function ComponentsPage() {
     >
       {!query.data && <Unread what="the components" query={query} />}
       <Skipped unusable={unusable} />
-      {groups.map(({ title, entries }) => (
-        <section key={title} className={layout.stack}>
-          <h2 className={layout.sect}>{title}</h2>
-          {entries.map(({ id, card }) => (
-            <Fragment key={id}>{card}</Fragment>
-          ))}
-        </section>
-      ))}
+      <Chapters of={groups} />
     </HelpFrame>
   )
 }
@@ -59,27 +54,8 @@ function distinctTitle({ title, dimension }: ComponentEntry, among: readonly Com
   return twice && dimension ? `${title}, ${dimension === 2 ? 'in the plane' : 'in space'}` : title
 }
 
-function Component({ component }: { component: ComponentEntry }) {
-  const { role, name, title } = component
-  return (
-    <Card inner id={idOfComponent(role, name)} title={title} note={<span className="mono">{name}</span>} right={<span className="small mut">{facts(component)}</span>}>
-      <div className={layout.stack}>
-        <ComponentText component={component} />
-      </div>
-    </Card>
-  )
-}
-
-function Simulator({ simulator }: { simulator: SimulatorEntry }) {
-  const { name, title } = simulator
-  return (
-    <Card inner id={idOfComponent('simulator', name)} title={title} note={<span className="mono">{name}</span>}>
-      <div className={layout.stack}>
-        <SimulatorText simulator={simulator} />
-      </div>
-    </Card>
-  )
-}
+const entryOf = (role: string, { name, title }: Pick<ComponentEntry, 'name' | 'title'>, listed = title) =>
+  ({ id: idOfComponent(role, name), name: listed, title, note: <span className="mono">{name}</span> })
 
 function facts({ dimension, frame, role, demand, demands, fits, unit, quantity, path }: ComponentEntry): string {
   const axes = frame === 'ned' ? 'x north, y east, z down' : 'z up'

@@ -3,9 +3,9 @@ import { clsx } from 'clsx'
 import { Link } from '@tanstack/react-router'
 import { type ReactElement, type ReactNode, useEffect } from 'react'
 import { Failed, Loading } from '../page/Trouble'
-import { Card } from '../ui/Card'
+import { Card, type CardProps } from '../ui/Card'
 import { GUIDES } from './guides'
-import { cards, guide, prose } from '../ui/styles'
+import { cards, guide, layout, prose } from '../ui/styles'
 import styles from './help.module.css'
 
 interface Chapter {
@@ -72,6 +72,27 @@ export const Contents = ({ of }: { of: readonly Chapter[] }) =>
         <a key={id} href={`#${id}`}>{name}</a>
       ))}
     </Links>
+  ))
+
+interface Shown extends Chapter {
+  /** Next to the heading of the chapter. */
+  note?: string
+  entries: readonly (Chapter['entries'][number] & Pick<CardProps, 'title' | 'note' | 'right'> & { text: ReactNode })[]
+}
+
+/** Chapters of a catalogue: each entry is a card with its text. */
+export const Chapters = ({ of }: { of: readonly Shown[] }) =>
+  of.map(({ title: heading, note, entries }) => (
+    <section key={heading} className={layout.stack}>
+      <h2 className={layout.sect}>
+        {heading} {note && <span className="small mut">{note}</span>}
+      </h2>
+      {entries.map(({ text, ...card }) => (
+        <Card key={card.id} inner {...card}>
+          <div className={layout.stack}>{text}</div>
+        </Card>
+      ))}
+    </section>
   ))
 
 const Links = ({ title, children }: { title: string; children: ReactElement[] }) => (

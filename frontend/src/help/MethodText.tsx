@@ -1,4 +1,5 @@
 // The text of a method with its settings: the installed one on help pages, the stored one on a run's page.
+import { Fragment } from 'react'
 import { boundsOf, optionsOf, type Schema, statedBy } from '../api/schema'
 import type { MethodEntry } from '../client'
 import { count } from '../format/numbers'
@@ -8,6 +9,8 @@ import styles from './help.module.css'
 
 export function MethodText({ method }: { method: MethodEntry }) {
   const options = Object.entries(optionsOf(method))
+  const { suits, drawback, family, parallel, starts } = method
+  const facts = { For: suits, Drawback: drawback, Family: family, 'Points at a time': parallel, Starts: starts && 'from points given in the campaign' }
   return (
     <>
       <Docstring text={method.text} />
@@ -20,13 +23,12 @@ export function MethodText({ method }: { method: MethodEntry }) {
         <dd>
           {count(method.evaluations)} evaluations{endsOf(method)}
         </dd>
-        {FACTS.map(([field, title]) => method[field] && <Fact key={field} title={title} text={method[field]} />)}
-        {method.starts && (
-          <>
-            <dt className="mut">Starts</dt>
-            <dd>from points given in the campaign</dd>
-          </>
-        )}
+        {Object.entries(facts).map(([title, text]) => text && (
+          <Fragment key={title}>
+            <dt className="mut">{title}</dt>
+            <dd>{text}</dd>
+          </Fragment>
+        ))}
       </dl>
       {options.length > 0 && (
         <details>
@@ -43,23 +45,6 @@ const COLUMNS: readonly Column<[string, Schema]>[] = [
   { head: 'Default', tone: 'tn nw', cell: ([, rule]) => (rule.default === undefined ? 'must be given' : written(rule.default)) },
   { head: 'Meaning', tone: 'sec', cell: ([, rule]) => meaning(rule) },
 ]
-
-/** What a method may state in a few words. */
-const FACTS = [
-  ['suits', 'For'],
-  ['drawback', 'Drawback'],
-  ['family', 'Family'],
-  ['parallel', 'Points at a time'],
-] as const
-
-function Fact({ title, text }: { title: string; text: string }) {
-  return (
-    <>
-      <dt className="mut">{title}</dt>
-      <dd>{text}</dd>
-    </>
-  )
-}
 
 const written = (value: unknown): string =>
   value === null ? 'none' : typeof value === 'string' || typeof value === 'number' ? String(value) : JSON.stringify(value)

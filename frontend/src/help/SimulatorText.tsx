@@ -1,9 +1,9 @@
 // The text of a simulator with its parameters and results, from the catalogue.
 import type { ResultEntry, SimulatorEntry } from '../client'
 import { unitText } from '../format/units'
-import { type Column, Table } from '../ui/Table'
+import type { Column } from '../ui/Table'
 import { Sign } from '../ui/Sign'
-import { Parameters } from './ComponentText'
+import { Listed, PARAMETERS } from './ComponentText'
 import { Docstring } from './Docstring'
 
 const COLUMNS: readonly Column<ResultEntry>[] = [
@@ -19,16 +19,8 @@ export function SimulatorText({ simulator }: { simulator: SimulatorEntry }) {
   return (
     <>
       <Docstring text={text} />
-      {parameters.length > 0 && (
-        <details>
-          <summary>Parameters: {parameters.length}</summary>
-          <Parameters entries={parameters} />
-        </details>
-      )}
-      <details>
-        <summary>Results: {results.length}</summary>
-        <Table tight rows={results} by={({ name }) => name} columns={COLUMNS} />
-      </details>
+      <Listed title="Parameters" rows={parameters} columns={PARAMETERS} />
+      <Listed title="Results" rows={results} columns={COLUMNS} />
     </>
   )
 }

@@ -1,5 +1,6 @@
 // The status of a requirement: its word, tone and order, the worst first.
 import type { RequirementRow } from '../client'
+import { tally } from '../format/names'
 
 export type Status = RequirementRow['status']
 
@@ -18,8 +19,7 @@ export const isStatus = (value: unknown): value is Status => typeof value === 's
 
 /** How many of these rows have each status, in the order of the statuses; those that no row has are omitted. */
 export function countsOf(rows: readonly Pick<RequirementRow, 'status'>[]): [Status, number][] {
-  const counts = new Map<Status, number>()
-  for (const { status } of rows) counts.set(status, (counts.get(status) ?? 0) + 1)
+  const counts = tally(rows.map(({ status }) => status))
   return (Object.keys(STATUSES) as Status[]).flatMap((status): [Status, number][] => {
     const count = counts.get(status)
     return count ? [[status, count]] : []

@@ -5,7 +5,7 @@ import { field } from '../format/numbers'
 import { badges, buttons, cards, layout, tables } from './styles'
 import styles from './ui.module.css'
 
-interface CardProps {
+export interface CardProps {
   /** Without one the card has no header. */
   title?: ReactNode
   note?: ReactNode

@@ -2,22 +2,8 @@
 import { type RefObject, useCallback, useEffect, useRef, useState } from 'react'
 import { useCalm } from './useCalm'
 
-type Near<T> = [RefObject<T | null>, boolean]
-
-/** A reference for the element, and true once it has been near; stays true. */
-export function useNear<T extends HTMLElement>(): Near<T> {
-  const [element, near] = useNearness<T>()
-  return [element, near]
-}
-
-/** The same, true also once a print may be about to begin, because what is printed must have been read by then. */
-export function useNearOrPrint<T extends HTMLElement>(): Near<T> {
-  const [element, near, setNear] = useNearness<T>()
-  useBeforePrint(useCallback(() => setNear(true), [setNear]))
-  return [element, near]
-}
-
-function useNearness<T extends HTMLElement>() {
+/** A reference for the element, and true once it has been near; stays true. The last sets that it has been. */
+export function useNear<T extends HTMLElement>() {
   const element = useRef<T>(null)
   const [near, setNear] = useState(false)
   useEffect(() => {
@@ -30,6 +16,13 @@ function useNearness<T extends HTMLElement>() {
     return () => observer.disconnect()
   }, [near])
   return [element, near, setNear] as const
+}
+
+/** The same, true also once a print may be about to begin, because what is printed must have been read by then. */
+export function useNearOrPrint<T extends HTMLElement>(): [RefObject<T | null>, boolean] {
+  const [element, near, setNear] = useNear<T>()
+  useBeforePrint(useCallback(() => setNear(true), [setNear]))
+  return [element, near]
 }
 
 /** Calls when a print may be about to begin: the pointer leaves for the browser's menu, the page's menu opens, or the first key

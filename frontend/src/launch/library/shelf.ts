@@ -1,6 +1,7 @@
 // Filters the campaigns of the library by tag and words.
 import { asCampaign, type Campaign } from '../../api/campaign'
 import type { Catalogue, LibraryCampaign } from '../../client'
+import { tally } from '../../format/names'
 
 export interface Shelf {
   /** Null: all. */
@@ -37,8 +38,7 @@ export function shelfOf(campaigns: LibraryCampaign[], chosen: string | null): Sh
 
 /** The tags of the library with counts: published, kinds, then cases. */
 export function tagsOf(campaigns: LibraryCampaign[]): { tag: string; count: number }[] {
-  const counts = new Map<string, number>()
-  for (const item of campaigns) for (const tag of asCampaign(item.document).tags ?? []) counts.set(tag, (counts.get(tag) ?? 0) + 1)
+  const counts = tally(campaigns.flatMap((item) => asCampaign(item.document).tags ?? []))
   const rank = (tag: string) => (tag === FIRST ? 0 : /\d/.test(tag) ? 2 : 1)
   return [...counts]
     .map(([tag, count]) => ({ tag, count }))

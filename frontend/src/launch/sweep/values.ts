@@ -1,14 +1,11 @@
 // The values of a sweep as typed: numbers separated by commas, semicolons or spaces.
+import type { ParameterEntry } from '../../client'
 import { MINUS, parse } from '../../format/numbers'
 
 /** As the service allows. */
 export const MOST = 50
 
-export interface Limits {
-  low: number
-  high: number
-  unit: string
-}
+type Limits = Pick<ParameterEntry, 'low' | 'high' | 'unit'>
 
 /** "0,5" between spaces or semicolons: one number with a decimal comma, or two: ambiguous. */
 const UNCLEAR = /^[+-]?\d+,\d+(e[+-]?\d+)?,?$/i

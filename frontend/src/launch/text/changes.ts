@@ -1,6 +1,6 @@
 // The minimal changes of an edit in the form, so that only the affected text is changed.
-import type { Json } from '../../api/campaign'
-import type { At, Step } from './tree'
+import { type Json, read, write } from '../../api/campaign'
+import type { At } from './tree'
 import { isMapping } from './words'
 
 export type Change =
@@ -77,26 +77,17 @@ const isEmpty = (value: Json): boolean =>
   value === null || value === '' || (typeof value === 'object' && Object.keys(value).length === 0)
 
 /** The document after a change. Missing parents are created. */
-export function applied(document: unknown, change: Change): Json {
-  const [key, ...rest] = change.at
-  if (key === undefined) return change.kind === 'set' ? change.value : (document as Json)
-  const below = (document as Record<Step, unknown> | null)?.[key]
-  const missing = below === undefined || below === null
-  if (rest.length > 0) {
-    if (missing && change.kind !== 'set' && change.kind !== 'insert') return document as Json
-    return put(document, key, applied(missing ? (typeof rest[0] === 'number' ? [] : {}) : below, { ...change, at: rest }))
-  }
-  if (change.kind === 'set') return put(document, key, change.value)
-  if (change.kind === 'insert') return (document as Json[]).toSpliced(Number(key), 0, change.value)
-  if (Array.isArray(document)) return (document as Json[]).toSpliced(Number(key), 1)
-  const pairs = Object.entries(document as { [key: string]: Json })
-  if (change.kind === 'rename') return Object.fromEntries(pairs.map(([name, v]) => [name === key ? change.to : name, v]))
-  return Object.fromEntries(pairs.filter(([name]) => name !== key))
-}
-
-function put(document: unknown, key: Step, value: Json): Json {
-  if (Array.isArray(document)) return Object.assign([...(document as Json[])], { [key]: value })
-  return { ...(document as { [key: string]: Json } | null), [key]: value }
+export function applied(document: Json, change: Change): Json {
+  if (change.kind === 'set') return write(document, change.at, change.value)
+  const [above, key] = [change.at.slice(0, -1), change.at.at(-1)]
+  const found = read(document, above) as Json | undefined
+  const listed = Array.isArray(found) ? found : []
+  if (change.kind === 'insert') return write(document, above, listed.toSpliced(Number(key), 0, change.value))
+  if (Array.isArray(found)) return write(document, above, listed.toSpliced(Number(key), 1))
+  if (!isMapping(found)) return document
+  const pairs = Object.entries(found)
+  const left = change.kind === 'rename' ? pairs.map(([name, v]) => [name === key ? change.to : name, v]) : pairs.filter(([name]) => name !== key)
+  return write(document, above, Object.fromEntries(left) as Json)
 }
 
 /** Whether two values are equal, ignoring the order of keys. */

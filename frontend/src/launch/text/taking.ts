@@ -1,6 +1,6 @@
 // Removes a part from a campaign with all references to it, and shifts the indices of later parts, in the document and,
 // change by change, in its text.
-import { type Campaign, type List, listAt, without } from '../../api/campaign'
+import { type Campaign, type List, listAt, movedPath, without } from '../../api/campaign'
 import { applied, type Change, changesOf } from './changes'
 import type { At } from './tree'
 
@@ -10,10 +10,9 @@ export function takingOut(campaign: Campaign, list: List | 'objectives', index: 
   const [gone, moved]: [Change[], Change[]] = [[], []]
   for (const at of mapsOf(campaign))
     for (const path of Object.keys(at.values)) {
-      const [head, number, ...rest] = path.split('.')
-      if (head !== list || Number(number) < index) continue
-      if (Number(number) === index) gone.push({ kind: 'remove', at: [...at.at, path] })
-      else moved.push({ kind: 'rename', at: [...at.at, path], to: [head, Number(number) - 1, ...rest].join('.') })
+      const to = movedPath(path, list, index)
+      if (to === null) gone.push({ kind: 'remove', at: [...at.at, path] })
+      else if (to !== path) moved.push({ kind: 'rename', at: [...at.at, path], to })
     }
   const changes: Change[] = [{ kind: 'remove', at: [...listAt(list), index] }, ...gone, ...moved]
   return [after, [...changes, ...changesOf(changes.reduce(applied, campaign as never), after)]]

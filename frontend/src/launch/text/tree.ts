@@ -101,22 +101,13 @@ export function endOf(pair: Entry, text: string): number {
 
 export const startOf = (pair: Entry): number => (pair.key as Node | null)?.range?.[0] ?? 0
 
-interface Token {
-  type: string
-  offset: number
-}
-interface Item {
-  start: Token[]
-  sep?: Token[]
-}
-
 /** Position of the colon of a pair, or -1. */
 export const colonOf = (pair: Entry): number =>
-  (pair.srcToken as Item | undefined)?.sep?.find((token) => token.type === 'map-value-ind')?.offset ?? -1
+  pair.srcToken?.sep?.find((token) => token.type === 'map-value-ind')?.offset ?? -1
 
 /** Position of the dash of a list item, or -1. */
 const dashOf = (list: YAMLSeq, index: number): number =>
-  (list.srcToken as { items?: Item[] } | undefined)?.items?.[index]?.start.find(({ type }) => type === 'seq-item-ind')?.offset ?? -1
+  (list.srcToken as CST.BlockSequence | undefined)?.items[index]?.start.find(({ type }) => type === 'seq-item-ind')?.offset ?? -1
 
 /** The document as plain values; nested names are joined by dots as in the service. */
 export const plain = ({ root }: { root: Node | null }): Json => flat(valueIn(root), [])

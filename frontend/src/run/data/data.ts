@@ -1,5 +1,5 @@
 // Shared data of the cards of a run's page, and selectors.
-import { usePrefetchQuery, useQuery, useQueryClient, type UseQueryResult } from '@tanstack/react-query'
+import { useQuery, useQueryClient, type UseQueryResult } from '@tanstack/react-query'
 import { useEffect, useMemo, useRef, useState } from 'react'
 import { asCampaign, type Campaign, hasScenario } from '../../api/campaign'
 import { useStreamStatus } from '../../api/events'
@@ -63,14 +63,6 @@ export interface RunData {
   complete: boolean
   /** What could not be loaded. */
   missing: MissingPart[]
-}
-
-/** Requests a run's data in parallel with the run itself. */
-export function useRequests(id: string): void {
-  usePrefetchQuery(stagesQuery(id))
-  usePrefetchQuery(findingsQuery(id))
-  usePrefetchQuery(evaluationsQuery(id))
-  usePrefetchQuery(componentsQuery(id))
 }
 
 /** All data of a run's page; empty or undefined while loading. The same object as long as nothing in it changes. */

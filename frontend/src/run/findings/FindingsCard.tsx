@@ -83,10 +83,10 @@ export function FindingsCard({ data, gathered }: FindingsProps) {
         </thead>
         <tbody>
           {findings.map((finding) => (
-            <Row key={finding.label} {...shared} finding={finding} on={finding.label === chosen} />
+            <Row key={finding.label} {...shared} of={finding} />
           ))}
           <MostLikelyRow data={data} decimals={decimals} between={(flown ? 2 : 0) + run.criteria.length - 1} />
-          <Nominal {...shared} on={chosen === NOMINAL} />
+          <Row {...shared} of={null} />
         </tbody>
       </table>
     </Card>
@@ -97,55 +97,49 @@ interface RowProps {
   data: RunData
   decimals: number
   choose: (name: string) => void
-  on: boolean
+  /** Null: the nominal case. */
+  of: FindingDetail | null
 }
 
-function Row({ data, decimals, choose, on, finding }: RowProps & { finding: FindingDetail }) {
-  const { parameters } = data
-  const { label, cost, granted, margin } = finding
+function Row({ data, decimals, choose, of }: RowProps) {
+  const { run, parameters } = data
+  const name = of?.label ?? NOMINAL
+  const on = name === data.chosen
+  const cost = of ? of.granted : run.nominal_cost
+  const margin = of ? of.margin : cost === null || run.threshold === null ? null : cost - run.threshold
   return (
-    <tr {...picking(label, on, choose)} data-finding={label}>
-      <Name name={label} on={on} choose={choose} />
-      {hasScenario(data.campaign) && <Picture data={data} name={label} />}
-      <td className="num b">
-        {fixed(granted, decimals)}
-        {granted !== cost && (
+    <tr {...picking(name, on, choose)} data-finding={name}>
+      <Name name={name} on={on} choose={choose} />
+      {hasScenario(data.campaign) && <Picture data={data} name={name} />}
+      <td className={of ? 'num b' : 'num'}>
+        {fixed(cost, decimals)}
+        {of && of.granted !== of.cost && (
           <small className={clsx('mut nw', styles.evaluated)} title="What the search found. Another evaluation of this case is milder, and that one is stated.">
-            evaluated {fixed(cost, decimals)}
+            evaluated {fixed(of.cost, decimals)}
           </small>
         )}
       </td>
-      <td className={margin <= 0 ? 'num b bad-t' : 'num'}>{marginText(margin, decimals)}</td>
-      {isLikely(data.findings) && <LikelyCell likelihood={finding.likelihood} />}
-      <Met data={data} name={label} values={finding.values} />
-      <Places of={finding} parameters={parameters} />
-      <td className="sec">
-        <Bounds finding={finding} parameters={parameters} />
-      </td>
-      <td>
-        <FoundBy finding={finding} stages={data.stages} />
-      </td>
-      <td className="nw">
-        <Validated finding={finding} />
-      </td>
-    </tr>
-  )
-}
-
-function Nominal({ data, decimals, choose, on }: RowProps) {
-  const { run, parameters } = data
-  const margin = run.nominal_cost === null || run.threshold === null ? null : run.nominal_cost - run.threshold
-  return (
-    <tr {...picking(NOMINAL, on, choose)} data-finding={NOMINAL}>
-      <Name name={NOMINAL} on={on} choose={choose} />
-      {hasScenario(data.campaign) && <Picture data={data} name={NOMINAL} />}
-      <td className="num">{fixed(run.nominal_cost, decimals)}</td>
       <td className={margin !== null && margin <= 0 ? 'num b bad-t' : 'num'}>{marginText(margin, decimals)}</td>
-      {isLikely(data.findings) && <td />}
-      <Met data={data} name={NOMINAL} values={valuesOf(data.nominalTrace)} />
-      <td colSpan={parameters.length + 3} className="mut small">
-        Every parameter at its nominal value
-      </td>
+      {isLikely(data.findings) && (of ? <LikelyCell likelihood={of.likelihood} /> : <td />)}
+      <Met data={data} name={name} values={of ? of.values : valuesOf(data.nominalTrace)} />
+      {of ? (
+        <>
+          <Places of={of} parameters={parameters} />
+          <td className="sec">
+            <Bounds finding={of} parameters={parameters} />
+          </td>
+          <td>
+            <FoundBy finding={of} stages={data.stages} />
+          </td>
+          <td className="nw">
+            <Validated finding={of} />
+          </td>
+        </>
+      ) : (
+        <td colSpan={parameters.length + 3} className="mut small">
+          Every parameter at its nominal value
+        </td>
+      )}
     </tr>
   )
 }

@@ -1,12 +1,8 @@
 // The Pareto front of a run with several criteria, over all searches.
+import type { FrontResult } from '../../api/stages'
 import type { FrontCriterion, FrontPoint } from '../../client'
 
-interface Fronted {
-  method: string
-  title: string
-  criteria: FrontCriterion[]
-  front: FrontPoint[] | null
-}
+type Fronted = Pick<FrontResult, 'method' | 'title' | 'criteria' | 'front'>
 
 export interface Placed extends FrontPoint {
   method: string

@@ -1,31 +1,23 @@
 // The catalogue entries that a run used, collapsed and loaded on demand.
+import { upperFirst } from '@mantine/hooks'
 import type { Catalogue } from '../../client'
 import { ComponentText } from '../../help/ComponentText'
 import { MethodText } from '../../help/MethodText'
 import { layout } from '../../ui/styles'
 
 export function Described({ catalogue }: { catalogue: Catalogue }) {
+  const entries = [
+    ...catalogue.components.map((one) => ({ ...one, what: upperFirst(one.role), text: <ComponentText component={one} open /> })),
+    ...catalogue.methods.map((one) => ({ ...one, what: 'Method', text: <MethodText method={one} /> })),
+  ]
   return (
     <div className={layout.stack}>
-      {catalogue.components.map((component) => (
-        <details key={`${component.role} ${component.name}`}>
+      {entries.map(({ what, name, title, text }) => (
+        <details key={`${what} ${name}`}>
           <summary>
-            {component.role.charAt(0).toUpperCase() + component.role.slice(1)}: {component.title}{' '}
-            <span className="mono mut small">{component.name}</span>
+            {what}: {title} <span className="mono mut small">{name}</span>
           </summary>
-          <div className={layout.stack}>
-            <ComponentText component={component} open />
-          </div>
-        </details>
-      ))}
-      {catalogue.methods.map((method) => (
-        <details key={method.name}>
-          <summary>
-            Method: {method.title} <span className="mono mut small">{method.name}</span>
-          </summary>
-          <div className={layout.stack}>
-            <MethodText method={method} />
-          </div>
+          <div className={layout.stack}>{text}</div>
         </details>
       ))}
     </div>

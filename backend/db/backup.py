@@ -21,7 +21,7 @@ from typing import NamedTuple
 
 import sqlalchemy as sa
 
-from backend.db import beside, revision, workers
+from backend.db import beside, numbers, revision, workers
 from backend.db.damage import damage
 from backend.db.engine import connect, connected, file_uri, now, read
 from backend.db.private import create_private
@@ -75,19 +75,22 @@ def backup(url: str, file: Path) -> int:
 
 
 class Restored(NamedTuple):
-    """Who may use the service as of the backup, the names of valid tokens and of users who are not disabled; and where
-    the former SQLite file, or what was left of it, is now, if there was any."""
+    """Who may use the service as of the backup, the names of valid tokens and of users who are not disabled; where the
+    former SQLite file, or what was left of it, is now, if there was any; and the highest numbers before the
+    restore, by table, above which new ones continue, None if the former database could not be read."""
 
     tokens: list[str]
     users: list[str]
     former: Path | None = None
+    numbers: dict[str, int] | None = None
 
 
 def restore(url: str, file: Path) -> Restored:
     """Put a backup in the place of the database.
 
     Runs that were active when the backup was made go on from what it has. Sessions, login links and unused invitations
-    of then are deleted: they may have been ended since. Raises `BackupError`: the file is damaged, or
+    of then are deleted: they may have been ended since. New numbers of runs and others continue above those of the
+    database that is replaced, if it can be read. Raises `BackupError`: the file is damaged, or
     of a newer version, or a service or worker uses the database, or others have tables in it. Nothing is changed then.
     """
     if not file.is_file():
@@ -95,19 +98,22 @@ def restore(url: str, file: Path) -> Restored:
     if not url.startswith("sqlite"):
         _refuse_used(url)
         _refuse_shared(url)
+        with connected(url) as engine:
+            highest = numbers.of_server(engine)
         _replace_tables(url, file)
-        return _prepared(connect(url))
+        return _prepared(connect(url), highest)
     _refuse_unusable(file)
     target = _file_of(url)
     if target.exists() and file.samefile(target):
         raise BackupError(f"{file} is the database itself; give a file of `clearance backup`")
     fresh = target.with_name(f".{target.name}.restored")
     try:
-        with _unused(target):
+        with _unused(target) as replaced:
+            highest = None if replaced is None else numbers.of_file(replaced)
             _remove(fresh)
             create_private(fresh)
             _copy_sqlite(file, fresh)  # with what its own -wal has, if it is no backup but a former database
-            found = _prepared(sa.create_engine(f"sqlite:///{fresh}"))
+            found = _prepared(sa.create_engine(f"sqlite:///{fresh}"), highest)
             _on_disk(fresh)
             _give_to_owner(fresh, target)
             former = _set_aside(target)
@@ -120,7 +126,7 @@ def restore(url: str, file: Path) -> Restored:
     return found._replace(former=former)
 
 
-def _prepared(engine: sa.Engine) -> Restored:
+def _prepared(engine: sa.Engine, highest: dict[str, int] | None) -> Restored:
     """Invalidate, in a restored database of any version, what may have ended since the backup was made."""
     try:
         with engine.begin() as writer:
@@ -138,7 +144,8 @@ def _prepared(engine: sa.Engine) -> Restored:
                 for table, which in (("tokens", valid), ("users", "disabled is null"))
                 if table in tables
             }
-            return Restored(names.get("tokens", []), names.get("users", []))
+            above = None if highest is None else numbers.continue_above(writer, highest)
+            return Restored(names.get("tokens", []), names.get("users", []), numbers=above)
     finally:
         engine.dispose()
 
@@ -180,11 +187,11 @@ def _refuse_unusable(file: Path) -> None:
 
 
 @contextmanager
-def _unused(target: Path) -> Iterator[None]:
+def _unused(target: Path) -> Iterator[sqlite3.Connection | None]:
     """While the block lasts, no other process has the file: exclusive locking fails while another process has it
-    open."""
+    open. Yields what reads it; None if there is none or it is damaged."""
     if not target.exists():
-        yield
+        yield None
         return
     in_use = BackupError(f"{target} is in use: stop the service and all workers first")
     with closing(sqlite3.connect(target, timeout=1.0, isolation_level=None)) as connection:
@@ -196,9 +203,9 @@ def _unused(target: Path) -> Iterator[None]:
         except sqlite3.OperationalError:
             raise in_use from None
         except sqlite3.DatabaseError:
-            yield  # damaged: that is why it is replaced
+            yield None  # damaged: that is why it is replaced
             return
-        yield
+        yield connection
 
 
 def _refuse_used(url: str) -> None:

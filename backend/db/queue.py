@@ -19,7 +19,7 @@ from typing import Any
 import sqlalchemy as sa
 from pydantic import ValidationError
 
-from backend.db import labels, refusals, reset, sizes, snapshots
+from backend.db import labels, numbers, refusals, reset, sizes, snapshots
 from backend.db.engine import insert, now, read
 from backend.db.leases import Leases, doubtful
 from backend.db.losses import LOSSES, MOST_LOSSES, SILENT, failed_after, lost
@@ -111,6 +111,7 @@ def submit(
         "sample_seed": seed.value,
         "sample_seed_stated": seed.stated,
     }
+    values |= numbers.following(connection, Run)
     run_id = int(connection.execute(sa.insert(Run).values(**values).returning(Run.id)).scalar_one())
     labels.store(connection, run_id, labelled or {})
     if stated := campaign.criterion.requirements:

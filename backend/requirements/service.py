@@ -10,7 +10,7 @@ from typing import Any
 
 import sqlalchemy as sa
 
-from backend.db import audit
+from backend.db import audit, numbers
 from backend.db.access import Visitor
 from backend.db.engine import chunks, now
 from backend.db.tables import Requirement, RequirementFile
@@ -100,7 +100,8 @@ def _stored(writer: sa.Connection, name: str, stored: dict[str, object]) -> int:
         return int(file_id)
     if (writer.scalar(sa.select(sa.func.count()).select_from(RequirementFile)) or 0) >= MOST_FILES:
         raise _conflict(f"there are already {MOST_FILES} files, which is the limit: delete some first")
-    made = sa.insert(RequirementFile).values(name=name, **stored).returning(RequirementFile.id)
+    stored = {"name": name, **stored, **numbers.following(writer, RequirementFile)}
+    made = sa.insert(RequirementFile).values(**stored).returning(RequirementFile.id)
     return int(writer.execute(made).scalar_one())
 
 

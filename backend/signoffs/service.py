@@ -10,7 +10,7 @@ import sqlalchemy as sa
 from backend.access.auth import forbidden
 from backend.access.own import require_own
 from backend.access.rules import SIGN
-from backend.db import audit, users
+from backend.db import audit, numbers, users
 from backend.db.access import Visitor
 from backend.db.digest import results_digest
 from backend.db.engine import now
@@ -75,6 +75,7 @@ def sign(writer: sa.Connection, run_id: int, review: SignoffRequest, visitor: Vi
     values = {"run_id": run_id, "name": name, "role": review.role, "comment": review.comment, "digest": digest}
     values |= {"user": visitor.user, "account": visitor.account, "created": now(writer)}
     values["texts"] = _reviewed(writer, run_id, review)
+    values |= numbers.following(writer, Row)
     signoff_id = writer.execute(sa.insert(Row).values(**values).returning(Row.id)).scalar_one()
     signed = signer(visitor.account, name)
     noted = {"signoff": signoff_id, **review.model_dump(exclude={"texts"}), **signed._asdict()} | (

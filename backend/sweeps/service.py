@@ -13,7 +13,7 @@ import sqlalchemy as sa
 
 from backend.access.own import require_own
 from backend.catalog.service import required
-from backend.db import audit, queue
+from backend.db import audit, numbers, queue
 from backend.db.access import Visitor
 from backend.db.engine import ask, now
 from backend.db.tables import Run, Sweep, SweepRun
@@ -92,6 +92,7 @@ def _launch(
         "token": visitor.token,
         "created": now(writer),
     }
+    row |= numbers.following(writer, Sweep)
     sweep_id = int(writer.execute(sa.insert(Sweep).values(**row).returning(Sweep.id)).scalar_one())
     runs, notes = [], []
     for position, (value, campaign) in enumerate(zip(options.values, campaigns, strict=True)):

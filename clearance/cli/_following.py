@@ -48,7 +48,7 @@ _GITHUB = "GITHUB_STEP_SUMMARY"
 
 def follow_to_the_end(
     service: Client,
-    run: str,
+    run: Run,
     out: Path | None,
     as_json: bool,
     launch: Launch,
@@ -58,7 +58,8 @@ def follow_to_the_end(
 ) -> int:
     """Show a run until it has ended, save its files; returns the exit code.
 
-    launch: the files of a CI job; reused: why the run is an earlier one; cancel: an interrupt cancels the run; source:
+    run: an answer of the service, so that no other run is followed that has its number after a restore; launch: the
+    files of a CI job; reused: why the run is an earlier one; cancel: an interrupt cancels the run; source:
     the campaign file.
     """
     from clearance.client import UnreachableError
@@ -66,10 +67,10 @@ def follow_to_the_end(
     try:
         found = _shown(service, run, quiet=as_json)
     except KeyboardInterrupt:
-        typer.echo(_cancelled(service, run) if cancel else CONTINUES.format(run=run), err=True)
+        typer.echo(_cancelled(service, run) if cancel else CONTINUES.format(run=run.id), err=True)
         raise
     except UnreachableError:
-        typer.echo(CONTINUES.format(run=run), err=True)
+        typer.echo(CONTINUES.format(run=run.id), err=True)
         raise
     ended = as_ended(service, found, reused)
     # Before the files, which the service may be unable to deliver.
@@ -77,18 +78,18 @@ def follow_to_the_end(
     lost: WrongInputError | None = None
     try:
         if launch.wanted:
-            launch.write(_complete(service, ended, launch, out, source))
+            launch.write(_complete(service, found, ended, launch, out, source))
     except WrongInputError as error:
         lost = error
     if out is not None:
-        save(service, run, out, FILES)
+        save(service, found, out, FILES)
         typer.echo(f"Files in {out}", err=True)
     if lost is not None:
         raise lost
     return ended.code
 
 
-def save(service: Client, run: str, out: Path, names: tuple[str, ...]) -> list[Path]:
+def save(service: Client, run: str | Run, out: Path, names: tuple[str, ...]) -> list[Path]:
     """Download files of a run into a folder; `WrongInputError` if it cannot be written or a name is impossible."""
     with refusing(ValueError):
         return [out / file.name for file in save_into(out, partial(service.export, run, files=names))]
@@ -105,18 +106,19 @@ def refuse_out(out: Path | None, summary: Path | None, source: Path | None = Non
     refuse_to_replace(out, (*FILES, PICTURE) if _pictured_apart(summary) else FILES, source)
 
 
-def _cancelled(service: Client, run: str) -> str:
+def _cancelled(service: Client, run: Run) -> str:
     """Cancel the run, before the CI service kills this command; returns what has happened."""
     from clearance.client import ClearanceError, UnreachableError
 
+    name = run.id
     service.session.patience = min(service.session.patience or GRACE, GRACE)
     try:
         service.cancel(run)
     except UnreachableError as error:
-        return f"whether {run} was cancelled is not known: {error}"
+        return f"whether {name} was cancelled is not known: {error}"
     except ClearanceError as error:
-        return f"{run} could not be cancelled: {error}"
-    return f"{run} was cancelled, because this command was ended"
+        return f"{name} could not be cancelled: {error}"
+    return f"{name} was cancelled, because this command was ended"
 
 
 def as_ended(service: Client, found: RunDetail, reused: str | None = None) -> EndedRun:
@@ -197,24 +199,26 @@ def case(found: Finding) -> Case:
     return Case(found.label, stated, found.margin, found.parameters, found.cost, likely, drawn, confirmed)
 
 
-def _complete(service: Client, ended: EndedRun, launch: Launch, out: Path | None, source: Source | None) -> EndedRun:
+def _complete(
+    service: Client, found: RunDetail, ended: EndedRun, launch: Launch, out: Path | None, source: Source | None
+) -> EndedRun:
     """The run with what only its files state: findings, the campaign's text, the picture of the worst case."""
-    cases = tuple(case(f) for f in service.findings(ended.run))
+    cases = tuple(case(f) for f in service.findings(found))
     if launch.sarif is not None and source is None:
         address = f"{service.address}/api/v1/runs/{ended.run}/campaign.yaml"
-        source = Source(address, service.campaign_text(ended.run))
-    picture = "" if launch.summary is None or not cases else _picture(service, ended.run, launch.summary, out)
+        source = Source(address, service.campaign_text(found))
+    picture = "" if launch.summary is None or not cases else _picture(service, found, launch.summary, out)
     return replace(ended, findings=cases, source=source, picture=picture)
 
 
-def _picture(service: Client, run: str, summary: Path, out: Path | None) -> str:
+def _picture(service: Client, run: RunDetail, summary: Path, out: Path | None) -> str:
     """Download the picture of the worst case next to the summary; its name, empty if the run has none.
 
     GitHub shows no picture that is next to the summary of a step, so that there it is among the files of `--out`.
     """
     from clearance.client import RefusedError
 
-    apart, name = _pictured_apart(summary), f"{summary.stem}-{run}.svg"
+    apart, name = _pictured_apart(summary), f"{summary.stem}-{run.id}.svg"
     try:
         if not apart:
             with on_disk(f"{summary.parent / name} cannot be written"):
@@ -233,7 +237,7 @@ def _pictured_apart(summary: Path | None) -> bool:
     return summary is not None and bool(there) and Path(there or "").resolve() == summary.resolve()
 
 
-def _shown(service: Client, run: str, quiet: bool) -> RunDetail:
+def _shown(service: Client, run: Run, quiet: bool) -> RunDetail:
     """The run once it has ended; until then a line for every stage, in place where that is a terminal."""
     live, before = not quiet and sys.stderr.isatty(), ""
 

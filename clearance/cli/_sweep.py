@@ -67,21 +67,21 @@ def sweep(
     page = f"{service.address}/sweeps/{found.id}"
     typer.echo(f"{found.id} ({found.runs} runs) is at {page}", err=True)
     try:
-        found = _followed(service, found.id, quiet=as_json)
+        found = _followed(service, found, quiet=as_json)
     except (KeyboardInterrupt, UnreachableError):
         typer.echo(f"{found.id} continues in the background: {page}", err=True)
         raise
     typer.echo(json.dumps(found.document, indent=2) if as_json else "\n".join(_line(found, p) for p in found.points))
     if out is not None:
-        save(out, lambda folder: service.export_sweep(found.id, folder / TABLE))
+        save(out, lambda folder: service.export_sweep(found, folder / TABLE))
         typer.echo(f"{TABLE} in {out}", err=True)
     return _code(found)
 
 
-def _followed(service: Client, sweep: str, quiet: bool) -> Sweep:
+def _followed(service: Client, sweep: Sweep, quiet: bool) -> Sweep:
     before = ""
     for found in service.follow_sweep(sweep):
-        line = f"{sweep}: " + ", ".join(f"{found.states[word]} {word}" for word in STATES if found.states.get(word))
+        line = f"{sweep.id}: " + ", ".join(f"{found.states[word]} {word}" for word in STATES if found.states.get(word))
         if not quiet and line != before:
             typer.echo(line, err=True)
         before = line

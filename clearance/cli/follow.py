@@ -30,4 +30,4 @@ def follow(
     options = launch.Launch.read(None, None, junit, summary, sarif, out, saves)
     refuse_out(out, summary)
     with opened(service, token_file, patience) as client:
-        raise typer.Exit(follow_to_the_end(client, client.run(run).id, out, as_json, options))
+        raise typer.Exit(follow_to_the_end(client, client.run(run), out, as_json, options))

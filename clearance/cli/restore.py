@@ -29,7 +29,21 @@ def restore(
     with alone(data) if data.is_dir() else nullcontext():
         found = put_back(url, file)
     typer.echo(f"Restored {file}." + (f" The former database is {found.former}." if found.former else ""))
+    typer.echo(_numbering(found.numbers))
     typer.echo("All sessions, login links and unused invitations have ended. As of the backup,")
     typer.echo(f"valid tokens: {', '.join(found.tokens) or 'none'}")
     typer.echo(f"enabled users, with the passwords of then: {', '.join(found.users) or 'none'}")
     typer.echo("Revoke and disable again what was revoked or disabled since (Tokens and Users on the pages).")
+
+
+def _numbering(last: dict[str, int] | None) -> str:
+    """Whether numbers may be given again, a sentence."""
+    from campaigns.runs import run_name, sweep_name
+
+    if last is None:
+        return "No former database was read, so numbers that were given since the backup may be given again."
+    run, sweep = (last.get(table, 0) + 1 for table in ("runs", "sweeps"))
+    return (
+        f"New runs are numbered from {run_name(run)} and new sweeps from {sweep_name(sweep)}, "
+        "above those of the former database."
+    )

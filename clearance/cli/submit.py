@@ -105,20 +105,20 @@ def submit(
                     "the submission was interrupted, so a run may be queued: `clearance runs` lists them", err=True
                 )
                 raise
-            run, reused = queued.id, queued.reused
+            reused = queued.reused
             compared_to = "" if queued.baseline is None else queued.baseline.sentence
             for note in filter(None, [] if wait else [reused, compared_to]):
                 typer.echo(note, err=True)
             if queued.superseded:
                 typer.echo(f"{', '.join(queued.superseded)} of the group {queued.group} superseded", err=True)
             if not wait:
-                typer.echo(run)  # on standard output, alone on its line, for programs
+                typer.echo(queued.id)  # on standard output, alone on its line, for programs
                 return
-            typer.echo(f"{run} is at {client.link(run)}", err=True)
+            typer.echo(f"{queued.id} is at {client.link(queued)}", err=True)
             if not reused:
                 typer.echo(f"{at_most(campaign, queued.planned)}.", err=True)
             source, cancel = Source(str(path), text), cancel_on_exit and not reused
-            raise typer.Exit(follow_to_the_end(client, run, out, as_json, options, reused, cancel, source))
+            raise typer.Exit(follow_to_the_end(client, queued, out, as_json, options, reused, cancel, source))
 
 
 def _check_options(

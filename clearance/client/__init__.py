@@ -17,6 +17,7 @@ from clearance.client.errors import (
     NotSignedInError,
     PurgedError,
     RefusedError,
+    ReplacedError,
     RunFailedError,
     UnreachableError,
 )
@@ -36,6 +37,7 @@ __all__ = [
     "NotSignedInError",
     "PurgedError",
     "RefusedError",
+    "ReplacedError",
     "RunFailedError",
     "UnreachableError",
 ]

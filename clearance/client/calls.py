@@ -39,7 +39,7 @@ class Call(Generic[T]):
     path: str
     answer: Any
     """The type of the JSON that is answered; `bytes` for a file."""
-    place: Mapping[str, str] = field(default_factory=dict)
+    place: Mapping[str, Named | NamedSweep] = field(default_factory=dict)
     query: Query = field(default_factory=dict)
     body: dict[str, object] | None = None
     key: str | None = None
@@ -51,7 +51,13 @@ class Call(Generic[T]):
         """The path with its values, below /api/v1/; names that would leave it are not accepted by the service."""
         from urllib.parse import quote
 
-        return self.path.format(**{name: quote(value, safe="") for name, value in self.place.items()}).lstrip("/")
+        values = {name: quote(name_of(value), safe="") for name, value in self.place.items()}
+        return self.path.format(**values).lstrip("/")
+
+    @property
+    def known(self) -> answers.Run | answers.Sweep | None:
+        """The answer by which the run or sweep of the request was given; None if it was given by its name."""
+        return next((value for value in self.place.values() if not isinstance(value, str)), None)
 
     def read(self, content: bytes) -> T:
         """The answer; raises ValueError if it is not of the described type."""
@@ -61,17 +67,13 @@ class Call(Generic[T]):
         return found
 
 
-def name_of(run: Named) -> str:
-    """The name of a run, such as R-0001, from its name or an answer."""
+def name_of(run: Named | NamedSweep) -> str:
+    """The name of a run or sweep, such as R-0001, from its name or an answer."""
     return run if isinstance(run, str) else run.id
 
 
-def _of_sweep(sweep: NamedSweep) -> dict[str, str]:
-    return {"sweep": sweep if isinstance(sweep, str) else sweep.id}
-
-
-def _of(run: Named, **more: str) -> dict[str, str]:
-    return {"run": name_of(run), **more}
+def _of(run: Named, **more: str) -> dict[str, Named | NamedSweep]:
+    return {"run": run, **more}
 
 
 def _set(**arguments: Any) -> dict[str, Any]:
@@ -246,17 +248,17 @@ def sweep(
 
 def read_sweep(sweep: NamedSweep) -> Call[answers.Sweep]:
     """A sweep as it is now."""
-    return Call("GET", "/sweeps/{sweep}", answers.Sweep, _of_sweep(sweep))
+    return Call("GET", "/sweeps/{sweep}", answers.Sweep, {"sweep": sweep})
 
 
 def cancel_sweep(sweep: NamedSweep) -> Call[answers.Sweep]:
     """Cancel every run of a sweep; those that have ended are unchanged."""
-    return Call("POST", "/sweeps/{sweep}/cancel", answers.Sweep, _of_sweep(sweep))
+    return Call("POST", "/sweeps/{sweep}/cancel", answers.Sweep, {"sweep": sweep})
 
 
 def sweep_table(sweep: NamedSweep) -> Call[bytes]:
     """The sweep as CSV."""
-    return Call("GET", "/sweeps/{sweep}/table.csv", bytes, _of_sweep(sweep), timeout=LONGEST)
+    return Call("GET", "/sweeps/{sweep}/table.csv", bytes, {"sweep": sweep}, timeout=LONGEST)
 
 
 CAMPAIGN, HTML, PDF = "campaign.yaml", "report.html", "report.pdf"

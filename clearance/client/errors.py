@@ -21,6 +21,10 @@ class UnreachableError(ClearanceError):
     """The service did not respond in time, or is busy for longer than the client waits."""
 
 
+class ReplacedError(ClearanceError):
+    """The number of a run or sweep is that of another one now: the database was probably restored or replaced."""
+
+
 class NotAClearanceServiceError(ClearanceError):
     """What responds at the address is not a Clearance service, or not of a version that this client can read."""
 

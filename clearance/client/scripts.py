@@ -10,6 +10,7 @@ import functools
 import inspect
 import json
 import math
+import secrets
 from collections.abc import AsyncGenerator, Callable, Coroutine, Iterable
 from contextlib import aclosing
 from dataclasses import replace
@@ -18,7 +19,7 @@ from typing import TYPE_CHECKING, Any, Concatenate, ParamSpec, TypeVar
 
 from clearance.client import answers, calls
 from clearance.client.calls import Call, Named, NamedSweep
-from clearance.client.errors import NotAClearanceServiceError, RunFailedError, UnreachableError, refused
+from clearance.client.errors import NotAClearanceServiceError, ReplacedError, RunFailedError, UnreachableError, refused
 from clearance.client.replies import Reply
 from clearance.client.session import Session
 
@@ -41,15 +42,51 @@ MOST_POINTS = 100_000
 async def ask(session: Session, call: Call[T]) -> T:
     """The answer to a request, repeated while the service does not respond, at most for `patience`.
 
-    Every request of `calls` may be repeated: it changes nothing, or has a key, or is the same when done twice.
+    Every request of `calls` may be repeated: it changes nothing, or has a key, or is the same when done twice. Raises
+    `ReplacedError` if its run or sweep was given by an answer, and the number is that of another one now.
     """
     reply = await _answered(session, call)
     try:
-        return call.read(reply.content)
+        answer = call.read(reply.content)
     except ValueError as error:
         raise NotAClearanceServiceError(
             f"{session.address} is not a Clearance service: unexpected response ({type(error).__name__})"
         ) from None
+    await _refuse_replaced(session, call.known, answer)
+    return answer
+
+
+async def _refuse_replaced(session: Session, known: answers.Run | answers.Sweep | None, answer: object = None) -> None:
+    """Raise `ReplacedError` if the number of what an earlier answer describes is that of another run or sweep now.
+
+    answer: a later answer; if it does not state what it is of, such as a file, the run or sweep is read.
+    """
+    if known is None:
+        return
+    later: answers.Run | answers.Sweep
+    if isinstance(answer, answers.Run | answers.Sweep) and answer.id == known.id:
+        later = answer
+    elif isinstance(known, answers.Run):
+        later = await ask(session, calls.run(known.id))
+    else:
+        later = await ask(session, calls.read_sweep(known.id))
+    if _identity(later) != _identity(known):
+        kind = "run" if isinstance(known, answers.Run) else "sweep"
+        raise ReplacedError(
+            f"{session.address}: {known.id} is another {kind} now: {_described(later)}, not {_described(known)}. The "
+            f"database of the service was probably restored or replaced. Nothing is known of the {kind} that had this "
+            "number before; submit it again"
+        )
+
+
+def _identity(of: answers.Run | answers.Sweep) -> tuple[object, ...]:
+    """What never changes of a run or sweep, and distinguishes it from another one with its number."""
+    return of.created, of.campaign_digest if isinstance(of, answers.Run) else of.path
+
+
+def _described(of: answers.Run | answers.Sweep) -> str:
+    what = f"sha256 {of.campaign_digest[:16]}" if isinstance(of, answers.Run) else f"over {of.path}"
+    return f"that of the campaign {of.campaign_name!r} ({what}) created at {of.created.isoformat()}"
 
 
 async def _answered(session: Session, call: Call[Any], file: Path | None = None) -> Reply:
@@ -64,6 +101,8 @@ async def _repeated(session: Session, call: Call[Any], file: Path | None) -> Rep
     """The last answer, after as many as are not final."""
     until, tries, broken = session.clock() + session.patience, 0, 0
     while True:
+        if call.method != "GET" and call.known is not None:  # before every try: the database may change in between
+            await _refuse_replaced(replace(session, notify=lambda _: None), call.known)
         left = until - session.clock() if session.patience else math.inf
         reply = await session.send(call, file, left)
         broken += reply.status == 500
@@ -94,12 +133,12 @@ async def follow(session: Session, run: Named) -> AsyncGenerator[answers.Run]:
     """The state of a run now, after every change, and at its end.
 
     Changes are events of the service; while there is no stream of them, the run is read every second. A service that
-    restarts is waited for.
+    restarts is waited for; `ReplacedError` if the number is that of another run then.
     """
     while not (found := await ask(session, calls.run(run))).ended:
         yield found
-        ended = False
-        async with aclosing(_changes(session, run)) as changes:
+        run, ended = found, False
+        async with aclosing(_changes(session, found)) as changes:
             async for changed in changes:
                 if ended := changed.ended:
                     break
@@ -109,7 +148,7 @@ async def follow(session: Session, run: Named) -> AsyncGenerator[answers.Run]:
     yield found
 
 
-async def _changes(session: Session, run: Named) -> AsyncGenerator[answers.Run]:
+async def _changes(session: Session, run: answers.Run) -> AsyncGenerator[answers.Run]:
     """What a stream of events reports until it ends, or until the run is to be read again."""
     name = ""
     async with aclosing(session.lines(calls.events(run))) as lines:
@@ -123,6 +162,7 @@ async def _changes(session: Session, run: Named) -> AsyncGenerator[answers.Run]:
                     changed = answers.Run.model_validate(json.loads(line.removeprefix("data:")))
                 except ValueError:
                     return
+                await _refuse_replaced(session, run, changed)
                 yield changed
 
 
@@ -203,6 +243,7 @@ async def follow_sweep(session: Session, sweep: NamedSweep) -> AsyncGenerator[an
     """A sweep now, after every second, and at its end."""
     while not (found := await ask(session, calls.read_sweep(sweep))).ended:
         yield found
+        sweep = found
         await session.pause(PAUSE)
     yield found
 
@@ -210,6 +251,7 @@ async def follow_sweep(session: Session, sweep: NamedSweep) -> AsyncGenerator[an
 async def wait_sweep(session: Session, sweep: NamedSweep) -> answers.Sweep:
     """A sweep once every run of it has ended."""
     while not (found := await ask(session, calls.read_sweep(sweep))).ended:
+        sweep = found
         await session.pause(PAUSE)
     return found
 
@@ -232,7 +274,7 @@ async def evaluations(session: Session, run: Named) -> Evaluations:
     from clearance.client.arrays import Evaluations
 
     detail = await ask(session, calls.run(run))
-    content = await ask(session, calls.file(run, "evaluations.csv"))
+    content = await ask(session, calls.file(detail, "evaluations.csv"))
     return Evaluations.of(content, detail)
 
 
@@ -245,7 +287,16 @@ async def trace(session: Session, run: Named, name: str = "F1") -> Trace:
 
 async def download(session: Session, call: Call[bytes], file: Path) -> Path:
     """Write an answer to a file; an incomplete download leaves no file. Raises OSError if it cannot be written."""
-    await _answered(session, call, file)
+    if call.known is None:
+        await _answered(session, call, file)
+        return file
+    fresh = file.with_name(f".{file.name}.{secrets.token_hex(4)}.new")
+    try:
+        await _answered(session, call, fresh)
+        await _refuse_replaced(session, call.known)
+        fresh.replace(file)
+    finally:
+        fresh.unlink(missing_ok=True)
     return file
 
 

@@ -32,6 +32,7 @@ from clearance.client import (
     calls,
     drivers,
 )
+from clearance.client.answers import Run
 from tests.given.small_catalogue import campaign
 
 Answers = Callable[[httpx.Request], httpx.Response]
@@ -424,7 +425,8 @@ def test_times_may_be_text_as_well() -> None:
 def test_evaluations_are_arrays_with_every_digit() -> None:
     text = "stage,kind,method,index,status,reason,seconds [s],d_min [m],vehicle.m [kg]\r\n"
     text += "0,nominal,,0,ok,,0.1,0.30000000000000004,5.0\r\n" + '2,search,direct,0,failed,"a, b",0.2,,4.0\r\n'
-    answers, _ = in_turn(httpx.Response(200, json=document("done")), httpx.Response(200, text=text))
+    run = [httpx.Response(200, json=document("done")) for _ in range(2)]
+    answers, _ = in_turn(run[0], httpx.Response(200, text=text), run[1])
     found = client(answers).evaluations("R-0001")
     assert (found.names, found.criteria, found.units) == (("vehicle.m",), ("d_min",), {"vehicle.m": "kg", "d_min": "m"})
     assert found.costs[0] == 0.1 + 0.2
@@ -440,13 +442,14 @@ def test_evaluations_are_arrays_with_every_digit() -> None:
 
 
 def test_a_table_of_other_columns_is_refused() -> None:
-    answers, _ = in_turn(httpx.Response(200, json=document("done")), httpx.Response(200, text="a,b\r\n"))
+    run = [httpx.Response(200, json=document("done")) for _ in range(2)]
+    answers, _ = in_turn(run[0], httpx.Response(200, text="a,b\r\n"), run[1])
     with pytest.raises(ValueError, match="a, b"):
         client(answers).evaluations("R-0001")
 
 
 def test_a_run_that_cannot_be_cancelled_is_reported(clock: Clock) -> None:
-    given = client(in_turn(*[LOST] * 99)[0], clock, patience=100.0)
+    given, run = client(in_turn(*[LOST] * 99)[0], clock, patience=100.0), Run.model_validate(document("queued"))
     with pytest.raises(UnreachableError) as lost:
         client(in_turn(*[LOST] * 99)[0], clock, patience=5.0).cancel("R-0001")
-    assert _cancelled(given, "R-0001").endswith(f": {lost.value}")
+    assert _cancelled(given, run).endswith(f": {lost.value}")

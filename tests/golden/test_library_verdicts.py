@@ -25,4 +25,4 @@ def test_the_verdict_is_as_stored(name: str) -> None:
     assert found | apart == known | apart
     assert found["margin"] == pytest.approx(known["margin"], rel=1e-3, abs=1e-6)
     made, stored = (sum(one["evaluations"].values()) for one in (found, known))
-    assert made == pytest.approx(stored, rel=0.05), "searches depend on the last bits of every evaluation"
+    assert made == pytest.approx(stored, rel=0.1), "searches depend on the last bits of every evaluation"

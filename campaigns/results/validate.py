@@ -232,8 +232,8 @@ class Encounter(Result):
     """Omitted for a system that is not simulated on, for a criterion that is not one of obstacles, and in results of
     earlier versions."""
     begins: Annotated[dict[str, tuple[float, float]], UNLESS_EMPTY] = {}
-    """By path, of faults and the environment: the first and the last instant at which it may begin [s], of those for
-    which the last is after the horizon, or both at its end."""
+    """By path, of faults and the environment: the earliest and the latest instant at which it first changes, by the
+    switches that it declares [s], of those for which the latest is after the horizon, or both are at its end."""
     mismeasured: Annotated[Mismeasured | None, UNLESS_NONE] = None
     """Omitted for a criterion that computes the distance that it declares, or declares none, and in results of earlier
     versions, which did not compare them."""

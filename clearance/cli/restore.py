@@ -41,7 +41,7 @@ def _numbering(last: dict[str, int] | None) -> str:
     from campaigns.runs import run_name, sweep_name
 
     if last is None:
-        return "No former database was read, so numbers that were given since the backup may be given again."
+        return "Numbers that were given since the backup may be given again: no former database was continued."
     run, sweep = (last.get(table, 0) + 1 for table in ("runs", "sweeps"))
     return (
         f"New runs are numbered from {run_name(run)} and new sweeps from {sweep_name(sweep)}, "

@@ -24,10 +24,11 @@ ALONG = 0.7
 """Fraction of the gap by which a place comes nearer; less than 1, so that most places are outside."""
 NEARER = 8
 """How often it does."""
-BESIDE = 1e-4, 1e-3, 1e-2, 1e-1
+APART = 1e-4, 1e-3, 1e-2, 1e-1
 """Fractions of a gap and an extent by which places are apart that are compared."""
-SLACK = 1e-6
-"""Fraction by which a gap may change more."""
+SLACK, INEXACT = 1e-4, 1e-6
+"""Fractions of how far they are apart, and of the gap and the extent, by which a gap may change more: it may be found
+by iteration, or in single precision."""
 ROUNDING = 1e-13
 """And by this fraction of the coordinates."""
 
@@ -51,11 +52,13 @@ def overstated(gap: Gap, centre: Floats, extent: float) -> Overstated | None:
     for direction in _directions(len(centre)):
         for place, here in _nearer(gap, centre, direction, extent):
             apart = max(here, 1e-3 * extent)
-            steepest = _slope(gap, place, BESIDE[0] * apart)
+            steepest = _slope(gap, place, APART[0] * apart)
             length = float(np.linalg.norm(steepest))
             if length <= 1.0 or not math.isfinite(length):
                 continue
-            pairs = (_between(gap, place, each * apart * steepest / length) for each in BESIDE)
+            pairs = (
+                _between(gap, place, each * apart * steepest / length, INEXACT * (here + extent)) for each in APART
+            )
             found = [pair for pair in pairs if pair is not None]
             if found:
                 return found[-1]
@@ -78,13 +81,13 @@ def _slope(gap: Gap, place: Floats, apart: float) -> Floats:
     return np.array([(gap(place + axis) - gap(place - axis)) / (2.0 * apart) for axis in axes])
 
 
-def _between(gap: Gap, place: Floats, beside: Floats) -> Overstated | None:
+def _between(gap: Gap, place: Floats, half: Floats, inexact: float) -> Overstated | None:
     """Two places on either side, if one gap is too large for the other."""
-    far, near = place + beside, place - beside
+    far, near = place + half, place - half
     larger, smaller = gap(far), gap(near)
     moved = float(np.linalg.norm(far - near))
     rounding = ROUNDING * (float(np.abs(place).max()) + abs(larger))
-    if smaller > 0.0 and larger - smaller > moved * (1.0 + SLACK) + rounding:
+    if smaller > 0.0 and larger - smaller > moved * (1.0 + SLACK) + inexact + rounding:
         return Overstated(far, larger, near, smaller)
     return None
 

@@ -41,7 +41,7 @@ def required_checks(run: Run, agreed: bool) -> dict[str, bool]:
 
 
 def _never(run: Run) -> bool:
-    """Whether a fault, or the environment, begins after the end of every flight."""
+    """Whether a fault, or the environment, first changes after the end of every flight."""
     begins = (run.claims["results"][-1].get("encounter") or {}).get("begins") or {}
     return any(first >= run.campaign.given_scenario.horizon for first, _ in begins.values())
 

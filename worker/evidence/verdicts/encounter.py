@@ -279,7 +279,7 @@ def _influence(problem: Problem, evidence: Evidence) -> Condition:
         at = say(" at the ", count(shown.fewest), more, " values of each curve: ")
         statement = say(statement, "; varying these alone has no effect", at, listed(without))
     for path, (_, last) in evidence.encounter.begins.items():
-        late = say(f"; {_part(problem, path)} begins at ", number(last, "s", "begins", 4), " with some values, ")
+        late = say(f"; {_part(problem, path)} first changes at ", number(last, "s", "begins", 4), " with some values, ")
         statement = say(statement, late, "when no flight lasts as long")
     for path, statuses in no_value.items():
         if path not in shown.changing:
@@ -293,12 +293,10 @@ def _influence(problem: Problem, evidence: Evidence) -> Condition:
 
 
 def _never(problem: Problem, path: str, first: float, last: float) -> Spans:
-    """That a fault, or the environment, begins after the end of every flight."""
+    """That a fault, or the environment, first changes after the end of every flight."""
     then = say(number(first, "s", "first", 4), *(() if first == last else (" to ", number(last, "s", "last", 4))))
     lasts = say(", and flights last ", number(_horizon(problem), "s", "horizon", 4))
-    return say(
-        f"no evaluation has {_part(problem, path)}: it begins at ", then, lasts, "; begin it earlier, or remove it"
-    )
+    return say(f"{_part(problem, path)} first changes at ", then, lasts, "; begin it earlier, or remove it")
 
 
 def _horizon(problem: Problem) -> float:

@@ -66,6 +66,8 @@ RIGHT: dict[str, Callable[[Floats], float]] = {
     "less than the distance": lambda q: 0.5 * (math.hypot(*q) - 1.0),
     "of half planes": lambda q: max(abs(float(q[0])), abs(float(q[1]))) - 1.0,
     "wrong inside": lambda q: math.hypot(*q) - 1.0 if math.hypot(*q) > 1.0 else -1e9,
+    "by iteration": lambda q: round((math.hypot(*q) - 1.0) / 3e-8) * 3e-8,
+    "in single precision": lambda q: float(np.float32(math.hypot(*q) - 1.0)),
     "infinite": lambda q: math.inf,
     "no number": lambda q: math.nan,
 }

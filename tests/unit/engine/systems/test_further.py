@@ -3,14 +3,20 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 import pytest
 
 from tests.given.beyond_horizon import met, place, travelling, under_way
+from worker.engine.components.obstacles import cooperative_circle
 from worker.engine.systems.closed_loop import further
 from worker.engine.systems.closed_loop.onward import Path
+from worker.engine.systems.closed_loop.parts import Installed
+from worker.running.catalogue.entries import component_entry
+from worker.running.catalogue.installed import catalogue, components
+from worker.running.opening import opened
 
 HORIZON = 5.0
 Points = np.ndarray[Any, np.dtype[np.float64]]
@@ -185,3 +191,67 @@ def test_one_that_turned_may_turn_on_at_that_rate(seed: int, turned: float) -> N
         moved = speed * 0.01 * np.stack([np.cos(directions), np.sin(directions)], axis=1)
         path = np.concatenate([np.zeros((1, 2)), np.cumsum(moved, axis=0)])
         assert np.linalg.norm(path - there, axis=1).min() >= found - 0.1
+
+
+COOPERATIVE = components()["obstacle", "cooperative_circle"]
+
+
+@pytest.fixture(params=["a reach", "no reach"])
+def own(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> None:
+    """An obstacle of one's own with states, `own`."""
+    made = replace(COOPERATIVE, name="own", **({"reach": None} if request.param == "no reach" else {}))  # type: ignore[type-var]
+    described = catalogue()
+    entry = component_entry(made, cooperative_circle)
+    described = described.model_copy(update={"components": [*described.components, entry]})
+    every = Installed(components() | {("obstacle", "own"): made}, described)
+    monkeypatch.setattr(opened, "installed", lambda: every)
+
+
+def leaving(ahead: float, aside: float, speed: float) -> dict[str, Any]:
+    """One with states that moves straight away from the vehicle, so far ahead [m] and in that direction."""
+    here, velocity = under_way()
+    along_it = velocity / np.linalg.norm(velocity)
+    way = math.cos(aside) * along_it + math.sin(aside) * np.array([-along_it[1], along_it[0]])
+    begin, goal = here + ahead * along_it - 2.0 * HORIZON * speed * way, here + 1e5 * way
+    given = {"position": place(*begin), "goal": place(*goal), "speed": speed, "clearance": 0.0, "radius": 0.3}
+    return {"component": "own", "parameters": given}
+
+
+@pytest.mark.usefixtures("own")
+def test_what_moves_away_on_the_line_of_the_vehicle_may_stop_there() -> None:
+    found = met(travelling(leaving(20.0, 0.0, 9.0)))
+    assert found.unknown is not None
+    assert (found.unknown.obstacle, found.unknown.vehicle) == (1, None)
+    assert found.unknown.value < 0.1
+
+
+@pytest.mark.usefixtures("own")
+def test_what_moves_away_elsewhere_bars_nothing_and_hides_nothing() -> None:
+    assert met(travelling(leaving(-20.0, 2.0, 3.0))).unknown is None
+    found = met(travelling(obstacle("circle", 4.0, 0.0), leaving(-20.0, 2.0, 3.0)))
+    assert found.unknown is not None
+    assert (found.unknown.obstacle, found.unknown.vehicle) == (1, True)
+
+
+def test_what_a_vehicle_that_turned_may_turn_to_is_not_known(monkeypatch: pytest.MonkeyPatch) -> None:
+    beside = travelling(obstacle("circle", 0.5, 6.0))
+    assert met(beside).unknown is None
+    straight = further.going
+    monkeypatch.setattr(further, "going", lambda *of: straight(*of)._replace(turned=0.7))
+    found = met(beside)
+    assert found.unknown is not None
+    assert (found.unknown.obstacle, found.unknown.vehicle) == (1, True)
+
+
+def test_what_comes_to_the_place_about_which_a_vehicle_moves_is_not_known(monkeypatch: pytest.MonkeyPatch) -> None:
+    here, velocity = under_way()
+    left = np.array([-velocity[1], velocity[0]]) / np.linalg.norm(velocity)
+    begin, goal = here + 8.0 * left - 300.0 * velocity, here + 8.0 * left + 300.0 * velocity
+    given = {"position": place(*begin), "goal": place(*goal), "speed": 5.0, "radius": 0.3}
+    crossing = travelling({"component": "moving_circle", "parameters": given})
+    monkeypatch.setattr(further, "going", lambda *_: further.Remaining(about=5.0))
+    assert met(crossing).unknown is None
+    monkeypatch.setattr(further, "going", lambda *_: further.Remaining(about=9.0))
+    found = met(crossing)
+    assert found.unknown is not None
+    assert (found.unknown.obstacle, found.unknown.vehicle) == (1, True)

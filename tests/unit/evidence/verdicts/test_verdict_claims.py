@@ -273,17 +273,15 @@ ON = "when simulated on to 30 s"
         ),
         (
             "influence", True, met(begins={"vehicle": (3.0, 40.0)}),
-            "; vehicle (unicycle) begins at 40 s with some values, when no flight lasts as long",
+            "; vehicle (unicycle) first changes at 40 s with some values, when no flight lasts as long",
         ),
         (
             "influence", False, met(begins={"vehicle": (30.0, 40.0)}),
-            "no evaluation has vehicle (unicycle): it begins at 30 s to 40 s, and flights last 15 s; begin it earlier, "
-            "or remove it",
+            "vehicle (unicycle) first changes at 30 s to 40 s, and flights last 15 s; begin it earlier, or remove it",
         ),
         (
             "influence", False, met(begins={"vehicle": (15.0, 15.0)}),
-            "no evaluation has vehicle (unicycle): it begins at 15 s, and flights last 15 s; begin it earlier, or "
-            "remove it",
+            "vehicle (unicycle) first changes at 15 s, and flights last 15 s; begin it earlier, or remove it",
         ),
         (
             "influence", False, met(spread=FLAT),

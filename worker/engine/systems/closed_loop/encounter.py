@@ -36,8 +36,9 @@ def shown(flights: Flights, nominal: Trace) -> Shown:
 
 
 def late(flights: Flights) -> dict[str, tuple[float, float]]:
-    """By path, the first and the last instant at which a fault or the environment may begin [s], of those for which the
-    last is after the horizon, or both at its end: at the ends and corners of its own bounds, and some values within."""
+    """By path, the earliest and the latest instant at which a fault or the environment first changes [s], by the
+    switches that it declares, of those for which the latest is after the horizon, or both are at its end: at the ends
+    and corners of its own bounds, and some values within."""
     found, uncertain, horizon = {}, flights.campaign.uncertain, flights.campaign.given_scenario.horizon
     for prefix, part in flights.parts.named.items():
         if not isinstance(part, Fault | Environment) or part.switches is None:
@@ -46,7 +47,7 @@ def late(flights: Flights) -> dict[str, tuple[float, float]]:
         nominal = {path: float(flights.nominal[flights.paths[path]]) for path in paths}
         bounds = {path: uncertain[path].interval(nominal[path]) for path in paths & uncertain.keys()}
         rows = (flights.loop.extend(flights.vector(values)) for values in sampled(nominal, bounds))
-        switches = [part.switches(at.fields(*p[at.first : at.last]), horizon) for p in rows]
+        switches = [[*part.switches(at.fields(*p[at.first : at.last]), horizon)] for p in rows]
         begins = [min(each) for each in switches if each]
         first, last = (min(begins), max(begins)) if len(begins) == len(switches) else (0.0, max(begins, default=0.0))
         if last > horizon or first == horizon:

@@ -63,6 +63,14 @@ class End(NamedTuple):
         return moved
 
     @property
+    def extent(self) -> float:
+        """What the criterion subtracts from the distance to the centre [m]; where that is unknown, what the distance at
+        the last sample shows of it."""
+        known = self.ahead.extent(self.obstacle)
+        away = float(np.linalg.norm(self.seen.centres[1, self.obstacle] - self.seen.positions[1]))
+        return max(away - self.ahead.declared(self.obstacle), 0.0) if known is None else known
+
+    @property
     def here(self) -> Approach:
         """The criterion's value at the last sample; where that is not finite, the distance that it declares, and not
         known: whether anything comes below it cannot be compared."""
@@ -95,16 +103,16 @@ class End(NamedTuple):
 
     def stopping(self) -> Iterator[Approach]:
         """The approach of an obstacle with states that moves away, if it stops where the vehicle comes on its line."""
-        i, further, (begun, centre) = self.obstacle, self.further(), self.seen.centres[:, self.obstacle]
-        extent, lasts = self.ahead.extent(i), max(self.horizon, further.lasts)
-        drift = (centre - begun) / self.flights.step
-        distance, after = crossing(centre - self.seen.positions[1], self.own, lasts, drift)
-        yield from self._open(distance - further.about - (math.inf if extent is None else extent), after, vehicle=False)
+        further, (begun, centre) = self.further(), self.seen.centres[:, self.obstacle]
+        lasts, relative = max(self.horizon, further.lasts), centre - self.seen.positions[1]
+        distance, after = crossing(relative, self.own, lasts, (centre - begun) / self.flights.step)
+        if after > 0.0 or distance < float(np.linalg.norm(relative)) or further.about > 0.0:
+            yield from self._open(distance - further.about - self.extent, after, vehicle=False)
 
     def turning(self, onward: Onward, moves: Motion) -> Iterator[Approach]:
         """What a vehicle comes to that turned and may turn on, which is not known."""
         further, i = self.further(), self.obstacle
-        extent, lasts = self.ahead.extent(i), min(further.lasts, GROWS * self.horizon)
+        lasts = min(further.lasts, GROWS * self.horizon)
         if lasts == 0.0:
             return
         if moves.kind == "followed":
@@ -115,7 +123,7 @@ class End(NamedTuple):
             centres = centre + np.outer(times, (centre - self.seen.centres[0, i]) / self.flights.step)
         relative = centres - self.seen.positions[1]
         distance, after = turning(relative, self.own, further.turned, 0.5 * self.horizon, np.minimum(times, lasts))
-        yield from self._open(distance - (extent or 0.0), after, vehicle=True)
+        yield from self._open(distance - self.extent, after, vehicle=True)
 
     def _open(self, low: float, after: float, vehicle: bool) -> Iterator[Approach]:
         """An approach that is not known, where it would come to the threshold, and below the evaluations."""

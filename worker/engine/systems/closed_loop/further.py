@@ -74,6 +74,8 @@ def going(places: Floats, late: int, each: float) -> Remaining:
 def _turned(places: Floats) -> float:
     moved = np.diff(places, axis=0)
     lengths = np.linalg.norm(moved, axis=1)
+    if lengths[-1] == 0.0:
+        return math.pi
     along = moved[lengths > 0.0] @ moved[-1] / (lengths[lengths > 0.0] * lengths[-1])
     return float(np.arccos(np.clip(along, -1.0, 1.0)).max())
 

@@ -10,7 +10,7 @@ from typing import Annotated, Literal
 from pydantic import AfterValidator, Field
 
 from campaigns.asked.reading import repeated
-from campaigns.asked.scenario import MAX_REALISATION
+from campaigns.asked.scenario import MAX_REALISATION, Realisations
 from campaigns.asked.values import AS_NUMBER, AS_WHOLE, DISTINCT, Name, Number, Path, Strict
 from campaigns.documented import UNLESS_STATED
 from campaigns.limits import ROUNDING, ROUNDING_AT_LEAST, TOLERANCE_OF_MARGIN
@@ -58,6 +58,8 @@ class BaselineCase(Strict):
     """The noise seed drawn for it; null if it simulated those of its campaign."""
     called: Annotated[Number | None, UNLESS_STATED] = None
     """The value of a violation that only independent calls of it showed; null for any other finding."""
+    time: Annotated[Number | None, UNLESS_STATED] = None
+    """Of its closest approach [s]; null for a criterion without one."""
 
     @property
     def stated(self) -> float:
@@ -80,4 +82,8 @@ class Baseline(Strict):
     digest: Annotated[str, Field(pattern=r"^[0-9a-f]{64}$")]
     """Of its campaign."""
     threshold: Number
+    horizon: Annotated[Number | None, UNLESS_STATED] = None
+    """Of its flights [s]; null for a simulator."""
+    realisations: Annotated[Realisations | None, UNLESS_STATED] = None
+    """Of noise and gusts in each of its evaluations; null for a simulator."""
     cases: Annotated[list[BaselineCase], Field(min_length=1, max_length=100), AfterValidator(_once)]

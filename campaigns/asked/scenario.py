@@ -44,6 +44,12 @@ class Realisations(Strict):
     seeds: Annotated[list[Annotated[int, Field(ge=0, lt=MAX_SEED), AS_WHOLE]], Field(min_length=1, max_length=64)] = [0]
     combine: Literal["worst", "mean"] = "worst"
 
+    def unseen(self, other: Realisations) -> list[int]:
+        """The seeds of these by which a finding may violate that an evaluation with the others does not show: those
+        that are not simulated there, or, where the others are averaged, all."""
+        averaged = other.combine == "mean" and (self.combine == "worst" or {*self.seeds} != {*other.seeds})
+        return [seed for seed in self.seeds if averaged or seed not in other.seeds]
+
     @field_validator("seeds")
     @classmethod
     def _distinct(cls, seeds: list[int]) -> list[int]:

@@ -32,6 +32,9 @@ def with_baseline(
         "threshold": other.criterion.threshold,
         "cases": [_case(finding, other.criterion.threshold) for finding in findings],
     }
+    if other.scenario is not None:
+        shown = other.scenario
+        baseline |= {"horizon": shown.horizon, "realisations": shown.realisations.model_dump(mode="json")}
     document = {**campaign.document(), "baseline": baseline}
     try:
         return load_document(document, run)
@@ -68,14 +71,19 @@ def _measured(criterion: Criterion) -> str:
 
 def _case(finding: Finding, threshold: float) -> dict[str, object]:
     called = {"called": finding.granted} if finding.granted <= threshold < finding.cost else {}
-    return called | {
-        "label": finding.label,
-        "parameters": finding.parameters,
-        "point": finding.point,
-        "cost": finding.cost,
-        "difference": difference(finding.validation),
-        "realisation": finding.realisation,
-    }
+    time = {} if finding.closest is None or finding.closest.time is None else {"time": finding.closest.time}
+    return (
+        called
+        | time
+        | {
+            "label": finding.label,
+            "parameters": finding.parameters,
+            "point": finding.point,
+            "cost": finding.cost,
+            "difference": difference(finding.validation),
+            "realisation": finding.realisation,
+        }
+    )
 
 
 def difference(case: Validation | None) -> float:

@@ -59,6 +59,18 @@ def outside(path: str, value: float, low: float, high: float) -> str:
     return f"{path} = {value:.9g} is outside the bounds {interval(low, high)} of this campaign"
 
 
+def shorter(horizon: float, time: float | None, before: float) -> str:
+    """The flights end before those of the baseline, or before the case's closest approach."""
+    when = f"its closest approach is at {time:.9g} s" if time is not None else f"they lasted {before:.9g} s there"
+    return f"flights last {horizon:.9g} s here, and {when}"
+
+
+def other_noise(seeds: Sequence[int]) -> str:
+    """Noise seeds of the baseline are not simulated, or are averaged."""
+    those = f"seed {seeds[0]}" if len(seeds) == 1 else f"seeds {', '.join(map(str, seeds))}"
+    return f"it was evaluated with the noise {those}, which this campaign does not simulate or averages"
+
+
 def not_random(seed: int) -> str:
     """A noise seed has no effect."""
     return f"it drew the noise seed {seed}, but this campaign has no noise"

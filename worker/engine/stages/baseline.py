@@ -7,8 +7,11 @@ validation descends from each of them (`worker.engine.stages.parts.findings`).
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 import numpy as np
 
+from campaigns import Campaign
 from campaigns.asked.regression import BaselineCase
 from campaigns.claims.stages import earlier_run, ends
 from campaigns.results.base import OK, STATUS
@@ -67,9 +70,22 @@ def _unusable(problem: Problem, case: BaselineCase) -> str:
             slack = ROUNDING * (known.high - known.low)
             if not known.low - slack <= value <= known.high + slack:
                 found.append(earlier_run.outside(path, value, known.low, known.high))
-    if case.realisation is not None and not problem.realisations.random:
+    random = bool(problem.realisations.random)
+    if case.realisation is not None and not random:
         found.append(earlier_run.not_random(case.realisation))
-    return "; ".join(found)
+    return "; ".join([*found, *_unseen(problem.campaign, case, random)])
+
+
+def _unseen(campaign: Campaign, case: BaselineCase, random: bool) -> Iterator[str]:
+    """What flights of this campaign do not show of a finding that those of the baseline did."""
+    baseline, now = campaign.baseline, campaign.scenario
+    if baseline is None or now is None:
+        return
+    then, ended = baseline.realisations, baseline.horizon
+    if ended is not None and now.horizon < ended and (case.time is None or case.time > now.horizon):
+        yield earlier_run.shorter(now.horizon, case.time, ended)
+    if random and case.realisation is None and then is not None and then.unseen(now.realisations):
+        yield earlier_run.other_noise(then.unseen(now.realisations))
 
 
 def _point(problem: Problem, case: BaselineCase) -> Floats:

@@ -79,7 +79,21 @@ def _possible(run: Run, case: BaselineCase) -> bool:
         return low <= value <= high
 
     noise = case.realisation is None or bool(run.random)
-    return noise and all(fits(path, value) for path, value in case.parameters.items())
+    return noise and _looked(run, case) and all(fits(path, value) for path, value in case.parameters.items())
+
+
+def _looked(run: Run, case: BaselineCase) -> bool:
+    """Whether flights last until the closest approach of a finding, and have the noise with which it was found."""
+    baseline, scenario = run.campaign.baseline, run.campaign.scenario
+    if baseline is None or scenario is None:
+        return True
+    needed = baseline.horizon if case.time is None else case.time
+    long = baseline.horizon is None or scenario.horizon >= min(needed or 0.0, baseline.horizon)
+    if not run.random or case.realisation is not None or baseline.realisations is None:
+        return long
+    before, now = baseline.realisations, scenario.realisations
+    every = set(before.seeds) <= set(now.seeds) and now.combine == "worst"
+    return long and (every or (before.combine == now.combine == "mean" and set(before.seeds) == set(now.seeds)))
 
 
 def examined(run: Run) -> bool:

@@ -51,7 +51,7 @@ def blind(**changes: Any) -> Campaign:
     narrow = {"kind": "truncated_normal", "mean": 6.0, "deviation": 0.2}
     return searching(
         DIRECT, SQP, scenario__obstacles=obstacles, scenario__horizon=2.0,
-        scenario__faults=[{"component": "blackout", "parameters": {"at": 2.0, "duration": 60.0}}],
+        scenario__faults=[{"component": "blackout", "parameters": {"at": 1.99, "duration": 60.0}}],
         uncertain={
             "vehicle.m": {"plus_minus": "20%", "unit": "kg"}, "vehicle.J": {"plus_minus": "20%"},
             "goal.x": {"low": 5.0, "high": 8.0, "distribution": narrow},

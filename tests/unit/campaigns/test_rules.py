@@ -99,6 +99,7 @@ def test_the_audit_has_the_same_limits() -> None:
         "ALIKE",
         "MEASURED",
         "GRANTED",
+        "NEAREST",
         "RULES",
         "SMALLEST",
         "POINTS",

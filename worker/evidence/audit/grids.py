@@ -2,24 +2,31 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
 
 DISTINCT, FINEST, BINARY = 5, 9, 30
 """Different values that lie on a grid at least; the finest one, in decimals and in binary digits."""
+NEAREST = 100, 30, 10
+"""Of so many of the lowest values the step counts."""
 EPSILON = 2.0**-52
 PARTS, CERTAIN = 100, 1024
 """Any other step is this part of the smallest gap at least, and so many times what is rounding."""
 
 
-def step(costs: NDArray[np.float64], any_step: bool) -> float:
+def step(costs: NDArray[np.float64], any_step: bool, lowest: Sequence[int] = NEAREST) -> float:
     """0 without one, of fewer than `DISTINCT` values, and of steps within their own rounding.
 
-    any_step: whether steps other than decimal and binary ones count.
+    any_step: whether steps other than decimal and binary ones count; lowest: of how many of the lowest values the step
+    of their own counts, if it is larger.
     """
     values = np.unique(costs)
+    return max(_of(some, any_step) for some in (values, *(values[:count] for count in lowest)))
+
+
+def _of(values: NDArray[np.float64], any_step: bool) -> float:
     if len(values) < DISTINCT:
         return 0.0
     above, size = values[1:] - values[0], float(max(abs(values[0]), abs(values[-1])))

@@ -59,9 +59,11 @@ GRANTED = 19
 """The version since which the step of the values may be any, such as a tenth of a foot in m; since which a finding that
 violates in independent calls alone violates in a comparison; since which a case without a value in either of two
 evaluations repeats; since which no fraction below 1 is written as 100 %."""
+NEAREST = 20
+"""The version since which the lowest values have a grid of their own."""
 RULES = max(
     BASINS, BASELINES, BESIDE, ROUNDED, TAILS, LOWEST, SHARED, CALLED, AFTER, VIOLATING, WHOLE, HALVED, WIDER, ALIKE,
-    MEASURED, GRANTED,
+    MEASURED, GRANTED, NEAREST,
 )  # fmt: skip
 """The version since which the rules are those of today."""
 POINTS, TIMES = 5, 3

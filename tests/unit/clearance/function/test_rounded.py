@@ -36,7 +36,10 @@ VALUES: dict[str, tuple[Floats, float]] = {
     "bins of 0.15": (np.round(5 * RANDOM / 0.15) * 0.15, 0.15),
     "six that are not rounded": (RANDOM[:6], 0.0),
     "one value": (np.full(9, 0.4), 0.0),
-    "one of many is not rounded": (np.where(RANDOM.min() + 1e-9 > RANDOM, RANDOM, np.round(RANDOM, 1)), 0.0),
+    "the lowest of many is not rounded": (np.where(RANDOM.min() + 1e-9 > RANDOM, RANDOM, np.round(RANDOM, 1)), 0.0),
+    "the highest of few is not rounded": (np.minimum(np.round(20 * RANDOM) / 10, 1.987), 0.1),
+    "significant digits": (-np.array([float(f"{x:.3g}") for x in 20 * RANDOM]), 0.1),
+    "a margin of six digits": (1200.0 - np.array([float(f"{x:.6g}") for x in 1100 * RANDOM]), 0.01),
 }
 WAYS: dict[str, Callable[[Floats], Floats]] = {
     "rounded": lambda d: np.round(10 * d) / 10,

@@ -1,6 +1,8 @@
-"""The grid on which all values of a criterion lie, such as 0.1 m where a simulator writes one decimal.
+"""The grid on which the values of a criterion lie, such as 0.1 m where a simulator writes one decimal.
 
-Between two of its values nothing is known: a rounded value above the threshold may stand for one below.
+Between two of its values nothing is known: a rounded value above the threshold may stand for one below. It is the grid
+of the lowest values that matters: significant digits are coarse where values are large, and a constant may be no
+multiple.
 """
 
 from __future__ import annotations
@@ -11,6 +13,8 @@ import numpy as np
 
 from worker.engine.systems.base import Floats
 
+LOWEST = 100, 30, 10
+"""So many of the lowest different values have a grid of their own: a few where higher ones have other digits."""
 DISTINCT = 5
 """Different values below which none is stated: a verdict of yes or no has two."""
 GRIDS = sorted({*(float(f"{m}e{k}") for k in range(-9, 4) for m in (1, 2, 2.5, 5)), *(2.0**-k for k in range(31))})
@@ -23,9 +27,13 @@ where it is compared; digits of it."""
 
 
 def grid(costs: Floats) -> float:
-    """The coarsest step of which all differences of these values are multiples, such as a tenth of a foot [criterion's
-    unit]; 0 if there is none, and of fewer than `DISTINCT` different values."""
+    """The coarsest step of which all differences of these values are multiples, or those of the lowest of them, such as
+    a tenth of a foot [criterion's unit]; 0 if there is none, and of fewer than `DISTINCT` different values."""
     known = np.unique(costs)
+    return max(_grid(some) for some in (known, *(known[:count] for count in LOWEST)))
+
+
+def _grid(known: Floats) -> float:
     if len(known) < DISTINCT:
         return 0.0
     size = float(np.abs(known).max())

@@ -106,11 +106,12 @@ def refuse_out(out: Path | None, summary: Path | None, source: Path | None = Non
     refuse_to_replace(out, (*FILES, PICTURE) if _pictured_apart(summary) else FILES, source)
 
 
-def _cancelled(service: Client, run: Run) -> str:
+def _cancelled(service: Client, run: str | Run) -> str:
     """Cancel the run, before the CI service kills this command; returns what has happened."""
     from clearance.client import ClearanceError, UnreachableError
+    from clearance.client.calls import name_of
 
-    name = run.id
+    name = name_of(run)
     service.session.patience = min(service.session.patience or GRACE, GRACE)
     try:
         service.cancel(run)

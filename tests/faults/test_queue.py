@@ -461,7 +461,7 @@ def test_a_run_of_a_lost_worker_that_no_other_takes_reports_what_it_waits_for(
         found = waiting.reasons(connection, [run_id])[run_id]
         assert found.waits
         assert (found.other_code is not None) is refused
-        assert ways.restart(connection, run_id) is refused
+        assert ways.waits(connection, run_id) is refused
 
 
 def test_freed_runs_end_with_the_limit_of_losses_or_where_they_are_cancelled(

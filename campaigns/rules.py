@@ -59,7 +59,7 @@ ABOVE_NOISE = Limit(
     "standard deviations of a simulator's noise that the range of all evaluations must exceed",
     "the range of a million normal numbers",
 )
-EXCLUDED = Limit(0.1, "fraction of the draws, or of all evaluations, that may be excluded", CONVENTION)
+EXCLUDED = Limit(0.1, "fraction of the draws, of a search, or of all evaluations, that may be excluded", CONVENTION)
 SAMPLE = Limit(limits.SAMPLE, "random samples, independent of every search", "bounds P(violation) at 5 %, at 95 %")
 TURN = Limit(limits.TURN, "angle by which an obstacle may turn within a step [rad]: pi/4", "aliasing")
 CONTINUED = Limit(limits.CONTINUED, "multiple of the horizon to which flights are simulated on", CONVENTION)
@@ -262,14 +262,16 @@ RULES = (
     Rule(
         CheckCode.NOISE,
         "Noise realisations",
-        "With noise, an independent sample draws a realisation for every evaluation, and none is a mean over several.",
+        "With noise, an independent sample draws a realisation for every evaluation, none is a mean over several, and no "
+        "parameter that is a seed is fixed, but those that realisations vary.",
         ("certify",),
         RemedyKind.REALISATIONS,
     ),
     Rule(
         CheckCode.EXCLUSIONS,
         "Excluded starts",
-        f"At most {percent(EXCLUDED)} of the draws of the sample, and of all evaluations, were excluded.",
+        f"At most {percent(EXCLUDED)} of the draws of the sample, of the evaluations of each search, and of all evaluations, "
+        "were excluded.",
     ),
     Rule(
         CheckCode.SAMPLE,

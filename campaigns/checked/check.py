@@ -6,7 +6,7 @@ Used by command line and API alike; the catalogue is data, so no physics is impo
 from __future__ import annotations
 
 import itertools
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 
 from campaigns.asked.criteria import criteria
 from campaigns.asked.problem import MOST, Problem
@@ -111,6 +111,13 @@ def seeded(campaign: Campaign, catalogue: Catalogue) -> list[str]:
     """The paths of the seeds: one for every part of the scenario that is random."""
     random = ((prefix, entry) for prefix, _, entry, _ in installed(campaign, catalogue) if entry.role in RANDOM)
     return [f"{prefix}.{p.name}" for prefix, entry in random for p in entry.parameters if p.name == SEED]
+
+
+def unvaried(campaign: Campaign, paths: Iterable[str]) -> list[str]:
+    """Those of a campaign's parameters that select a realisation, are fixed, and that no realisations vary."""
+    seeds = (path for path in paths if SEED in path.rpartition(".")[2].lower().split("_"))
+    varied = tuple(f"{name}." for name, role in LISTED.items() if role in RANDOM)
+    return [path for path in seeds if not path.startswith(varied) and path not in campaign.uncertain]
 
 
 def _check(campaign: Campaign, catalogue: Catalogue) -> Iterator[Problem]:

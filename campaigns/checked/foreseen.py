@@ -5,7 +5,7 @@ Known before anything is evaluated, so that no run is begun in vain. Start readi
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from itertools import combinations
 from typing import NamedTuple
 
@@ -14,7 +14,8 @@ from campaigns.asked.spec import Campaign
 from campaigns.asked.stages import Search
 from campaigns.catalogue import Catalogue, MethodEntry
 from campaigns.checked import distances, prediction, turning
-from campaigns.checked.check import seeded
+from campaigns.checked.check import parameters, seeded, unvaried
+from campaigns.claims.say import listed
 from campaigns.claims.spans import words
 from campaigns.codes import CheckCode
 
@@ -22,6 +23,12 @@ MEAN = (
     "every evaluation is the mean over noise realisations, which can hide a violation in one of them; set combine to "
     "worst"
 )
+
+
+def one_realisation(paths: Sequence[str]) -> str:
+    """Why nothing is known of other noise where these seeds are fixed."""
+    verb, other = ("is", "it") if len(paths) == 1 else ("are", "them")
+    return f"{words(listed(paths))} {verb} fixed, which selects one realisation of the noise; make {other} uncertain"
 
 
 class Barred(NamedTuple):
@@ -87,6 +94,8 @@ def _witnesses(search: Search, entry: MethodEntry) -> list[frozenset[str]]:
 
 def _evaluations(campaign: Campaign, catalogue: Catalogue) -> Iterator[Barred]:
     """What an evaluation cannot show."""
+    if seeds := unvaried(campaign, parameters(campaign, catalogue)):
+        yield Barred(CheckCode.NOISE, one_realisation(seeds))
     if (simulator := campaign.simulator) is not None:
         if simulator.calls > 1 and simulator.combine != "worst":
             why = f"a {simulator.combine} can hide a violation by one of the calls; set combine to worst"
@@ -98,7 +107,7 @@ def _evaluations(campaign: Campaign, catalogue: Catalogue) -> Iterator[Barred]:
     }
     yield from (Barred(code, words(why)) for code, why in bars.items() if why)
     realised = campaign.given_scenario.realisations
-    if seeded(campaign, catalogue) and len(realised.seeds) > 1 and realised.combine == "mean":
+    if not seeds and seeded(campaign, catalogue) and len(realised.seeds) > 1 and realised.combine == "mean":
         yield Barred(CheckCode.NOISE, MEAN)
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from campaigns.version import VERSION
 from campaigns.versions import Versions
 
-WORDING = 20
+WORDING = 21
 """Raised when a sentence of a result changes: the audit makes sentences again only where the same templates made them.
 Stored with the versions of a run since 2."""
 

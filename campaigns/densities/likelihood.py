@@ -21,7 +21,7 @@ from campaigns.results.base import OK
 from campaigns.results.likelihood import Likelihood, LikelyViolation, MostLikely
 from campaigns.special import chi_square_beyond
 
-CELLS = 1000
+CELLS = 3000
 """Of the grid on which the falls of several bounded distributions are added."""
 
 
@@ -51,12 +51,17 @@ def beyond(of: Joint, fall: float) -> float:
     others = [one for one in of.alone if one.freedom is None]
     if not others or fall <= 0.0:
         return float(chi_square_beyond(fall, freedom))
-    masses, edges = np.array([1.0]), np.linspace(0.0, fall, CELLS + 1)
-    for one in others:  # the probabilities that the fall of a draw is in each cell up to `fall`
+    masses, edges, tail = np.array([1.0]), np.linspace(0.0, fall, CELLS + 1), 0.0
+    for number, one in enumerate(others):  # the probabilities that the fall of a draw is in each cell up to `fall`
+        tail += float(masses @ one.beyond(_left(fall, len(masses), number)))
         masses = np.convolve(masses, -np.diff(one.beyond(edges)))[:CELLS]
-    rest = float(others[0].beyond(np.array([fall]))[0]) if len(others) == 1 else max(1.0 - float(masses.sum()), 0.0)
-    at = (np.arange(len(masses)) + len(others) / 2.0) * (fall / CELLS)
-    return min(rest + float(masses @ chi_square_beyond(fall - at, freedom)), 1.0)
+    return min(tail + float(masses @ chi_square_beyond(_left(fall, len(masses), len(others)), freedom)), 1.0)
+
+
+def _left(fall: float, cells: int, added: int) -> Floats:
+    """What is left of a fall from the middle of each cell of a sum of so many."""
+    left: Floats = np.maximum(fall - (np.arange(cells) + added / 2.0) * (fall / CELLS), 0.0)
+    return left
 
 
 class Rows(NamedTuple):

@@ -166,7 +166,8 @@ class Hump(Shape):
 
     def beyond(self, q: Floats) -> Floats:
         left, right = self._level(q, 0.0), self._level(q, 1.0)
-        return special.beta(left, self.alpha, self.beta) + special.beta(1.0 - right, self.beta, self.alpha)
+        sides = special.beta(left, self.alpha, self.beta) + special.beta(1.0 - right, self.beta, self.alpha)
+        return np.where(q > 0.0, sides, 1.0)
 
     def _level(self, q: Floats, end: float) -> Floats:
         """The point between the mode and this end of the range at which `fall` is q, by bisection; else the end."""

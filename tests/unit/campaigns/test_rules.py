@@ -6,6 +6,8 @@ import ast
 from pathlib import Path
 from typing import get_args
 
+import pytest
+
 from campaigns import rules
 from campaigns.codes import CheckCode
 from campaigns.results import remedies
@@ -13,6 +15,7 @@ from campaigns.results.base import MethodKind
 from campaigns.rules import FAMILIES, LIMITS, RULES
 from campaigns.stages import nominal
 from campaigns.stages.found import declared
+from worker.engine.stages.parts import scales
 from worker.evidence.audit import limits as audit
 
 REPOSITORY = Path(__file__).parents[3]
@@ -100,6 +103,9 @@ def test_the_audit_has_the_same_limits() -> None:
         "MEASURED",
         "GRANTED",
         "NEAREST",
+        "EACH",
+        "TOP",
+        "MANY",
         "RULES",
         "SMALLEST",
         "POINTS",
@@ -107,6 +113,7 @@ def test_the_audit_has_the_same_limits() -> None:
     )  # from BASELINES to RULES they are numbers of a version
     mine = {name: value for name, value in vars(audit).items() if name.isupper() and name not in others}
     assert mine == {name: LIMITS[name].value for name in mine}
+    assert (scales.HIGH, scales.LOW, scales.FEW) == (audit.TOP, pytest.approx(1.0 - audit.TOP), audit.MANY)
     assert (nominal.POINTS, nominal.TIMES) == (audit.POINTS, audit.TIMES)
     assert {kind: family.least.value for kind, family in FAMILIES.items() if family.least} == audit.LEAST
     assert tuple(rule.code for rule in RULES) == audit.ORDER

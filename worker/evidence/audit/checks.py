@@ -5,8 +5,11 @@ from __future__ import annotations
 import math
 from typing import Any
 
+import numpy as np
+
 from campaigns.checked import extents, rates
 from campaigns.checked.check import parameters
+from campaigns.results.base import EXCLUDED
 from worker.evidence.audit import limits
 from worker.evidence.audit.agreement import agreement
 from worker.evidence.audit.recompute import Run
@@ -152,7 +155,11 @@ def _probability(run: Run) -> dict[str, bool]:
     campaign, sample, checks = run.campaign, run.claimed, dict[str, bool]()
     noise, bound = (sample.noise, run.bound) if sample else ("stated", 1.0)
     excluded = run.made.excluded / max(run.made.evaluations, 1)
-    if run.random:
+    if excluded and run.wording >= limits.EACH:
+        excluded = max([excluded, *(float(np.mean(run.rows(k)[2] == EXCLUDED)) for k in run.searches)])
+    if run.fixed_seeds:
+        checks["noise"] = False
+    elif run.random:
         realisations = campaign.given_scenario.realisations
         checks["noise"] = noise == "drawn" and not (realisations.combine == "mean" and len(realisations.seeds) > 1)
     if excluded:

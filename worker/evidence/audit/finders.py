@@ -125,6 +125,19 @@ def _stated(run: Run, k: int, evaluations: int) -> FoundBy:
 
 
 def _scale(run: Run, worst: float) -> float:
-    """Nominal less worst; the size of the worst if the nominal case is not above it."""
+    """Nominal less worst, or what all others span where that is far above them; the size of the worst if the nominal
+    case is not above it."""
     fall = run.nominal - worst
-    return fall if fall > 0.0 else max(abs(worst), 1e-12)
+    if not fall > 0.0:
+        return max(abs(worst), 1e-12)
+    costs = run.raw[(run.status == OK) & (run.stage < len(run.plan) - 1)]
+    while run.wording >= limits.EACH and (below := far_above(costs, worst, fall)):
+        fall = below
+    return fall
+
+
+def far_above(costs: Any, worst: float, fall: float) -> float:
+    """How far above the worst the highest of a hundred costs or more is, all of which are in the lowest tenth of a
+    fall, but those near its top; 0 if others are in between."""
+    low = np.sort(costs[costs - worst < limits.TOP * fall] - worst)
+    return float(low[-1]) if len(low) >= limits.MANY and 0.0 < low[-1] < (1.0 - limits.TOP) * fall else 0.0

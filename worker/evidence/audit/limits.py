@@ -61,9 +61,14 @@ violates in independent calls alone violates in a comparison; since which a case
 evaluations repeats; since which no fraction below 1 is written as 100 %."""
 NEAREST = 20
 """The version since which the lowest values have a grid of their own."""
+EACH = 21
+"""The version since which what a search excludes counts by itself, a fixed seed of any part bars, and a large nominal
+value is no scale of how sure a search is."""
+TOP, MANY = 0.9, 100
+"""A nominal value is far above so many costs if none is between a tenth and this fraction of its height."""
 RULES = max(
     BASINS, BASELINES, BESIDE, ROUNDED, TAILS, LOWEST, SHARED, CALLED, AFTER, VIOLATING, WHOLE, HALVED, WIDER, ALIKE,
-    MEASURED, GRANTED, NEAREST,
+    MEASURED, GRANTED, NEAREST, EACH,
 )  # fmt: skip
 """The version since which the rules are those of today."""
 POINTS, TIMES = 5, 3

@@ -260,6 +260,11 @@ class Run:
         here = self.stage == k
         return self.points[here], self.raw[here], self.status[here]
 
+    def _fixed_seed(self, path: str) -> bool:
+        part, _, name = path.rpartition(".")
+        realised = part.startswith(("environment.", "faults."))  # by the realisations of the campaign
+        return "seed" in name.lower().split("_") and not realised and path not in self.campaign.uncertain
+
     def describe(self) -> None:
         """Look up the run's parameters and methods in the catalogue, and select the sample for the probability."""
         components = self.claims["components"]
@@ -267,6 +272,7 @@ class Run:
         self.bounds = {path: u.interval(self.known[path][1]) for path, u in self.campaign.uncertain.items()}
         self.low, self.high = (np.array(ends) for ends in zip(*self.bounds.values(), strict=True))
         self.random = seeded(self.campaign, components)
+        self.fixed_seeds = [path for path in self.known if self.wording >= limits.EACH and self._fixed_seed(path)]
         self.quantity, self.unit = self._decides(components)
         self.installed = {method.name: method for method in components.methods}
         self.methods = {k: self.installed[self.plan[k].method] for k in self.searches}

@@ -13,6 +13,7 @@ from campaigns.limits import SEARCH
 from campaigns.results.base import OK
 from campaigns.results.sureness import Sureness
 from worker.evidence.audit import limits
+from worker.evidence.audit.finders import far_above
 from worker.evidence.audit.parts import made
 from worker.evidence.audit.recompute import Run
 
@@ -42,6 +43,8 @@ def sureness(run: Run) -> Sureness | None:
         return None
     best = float(costs[ok].min())
     fall = run.nominal - best
+    if run.wording >= limits.EACH and far_above(costs[ok], best, fall):
+        return None
     lower = limits.SAME_COST * fall
     if not math.inf > lower > limits.ROUNDING * max(abs(run.nominal), abs(best)):
         return None

@@ -20,10 +20,16 @@ def exclusions(problem: Problem, evidence: Evidence) -> list[Check]:
     if not evidence.excluded:
         return []
     drawn = 0.0 if evidence.sample is None else evidence.sample.excluded_fraction
-    evaluated = evidence.excluded / max(evidence.evaluations, 1)
-    much, most = max(drawn, evaluated), rules.EXCLUDED.value
-    of = "draws of the sample" if drawn >= evaluated else "evaluations"
-    why = reasons(problem, evidence, "in all stages " if drawn >= evaluated else "")
+    # A large sample where its distribution is narrow would hide what is excluded elsewhere within the bounds.
+    searched = max((one.excluded / max(one.evaluations, 1) for one in evidence.searches), default=0.0)
+    fractions = {
+        "draws of the sample": drawn,
+        "evaluations of a search": searched,
+        "evaluations": evidence.excluded / max(evidence.evaluations, 1),
+    }
+    of, much = max(fractions.items(), key=lambda one: one[1])
+    most = rules.EXCLUDED.value
+    why = reasons(problem, evidence, "" if of == "evaluations" else "in all stages ")
     by = say(" were excluded", why) if why else " start at or below the threshold and were excluded"
     if terms(problem.system).own_rule:
         by = " were excluded by the criterion's own rule"

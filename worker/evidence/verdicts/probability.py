@@ -7,7 +7,8 @@ from __future__ import annotations
 
 from campaigns import rules
 from campaigns.asked.sample_bound import needed
-from campaigns.checked.foreseen import MEAN
+from campaigns.checked.check import unvaried
+from campaigns.checked.foreseen import MEAN, one_realisation
 from campaigns.claims.say import amount, at_most, count, goal, listed, percent, say
 from campaigns.claims.say import probability as share
 from campaigns.claims.spans import Spans
@@ -62,6 +63,8 @@ def _outside(problem: Problem) -> list[Check]:
 
 def _noise(problem: Problem, evidence: Evidence) -> list[Check]:
     realised, code = problem.realisations, CheckCode.NOISE
+    if fixed := unvaried(problem.campaign, (p.path for p in problem.system.parameters)):
+        return [check(code, False, one_realisation(fixed))]
     if not realised.random:
         return []
     seeds = listed([str(seed) for seed in realised.seeds])

@@ -21,6 +21,7 @@ from campaigns.results.base import OK
 from campaigns.results.sureness import Sureness
 from campaigns.stages.plan import plan
 from worker.engine.problem.problem import Problem
+from worker.engine.stages.parts.scales import far_above
 
 
 class Model(NamedTuple):
@@ -81,6 +82,8 @@ def sureness(
         return None
     ranked = np.where(status == OK, costs[:, 0], np.inf)
     lowest = float(ranked.min())
+    if far_above(ranked, lowest, nominal - lowest):
+        return None
     lower = rules.SAME_COST.value * (nominal - lowest)
     if not rules.ROUNDING.value * max(abs(nominal), abs(lowest)) < lower < np.inf:
         return None

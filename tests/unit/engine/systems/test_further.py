@@ -112,10 +112,20 @@ def test_a_vehicle_goes_as_far_as_it_gets(positions: Points, lasts: float) -> No
     assert further.going(positions, 100, 0.1).lasts == pytest.approx(lasts, rel=0.05)
 
 
-@pytest.mark.parametrize(("speed", "lasts"), [(0.05, math.inf), (0.002, 0.0)])
-def test_a_vehicle_that_creeps_has_come_to_its_goal(speed: float, lasts: float) -> None:
-    came = along(np.concatenate([3.0 * TIMES[:-1], 3.0 * TIMES[-1] + speed * TIMES]))
-    assert further.going(came, 100, 0.1).lasts == lasts
+CREEPING = {
+    "is carried on": (along(TIMES), math.inf),
+    "stops there": (along(1.0 - np.exp(-TIMES)), 1.0),
+    "about a place": (along(np.sin(3.0 * TIMES), np.cos(3.0 * TIMES)), 0.0),
+}
+
+
+@pytest.mark.parametrize(("moves", "lasts"), CREEPING.values(), ids=CREEPING)
+@pytest.mark.parametrize("speed", [0.05, 0.002, 1e-6])
+def test_a_vehicle_that_creeps_has_come_to_its_goal_unless_it_is_carried_on(
+    speed: float, moves: Points, lasts: float
+) -> None:
+    came = np.concatenate([along(3.0 * TIMES[:-1]), along(3.0 * TIMES[-1:]) + speed * (moves - moves[0])])
+    assert further.going(came, 100, 0.1).lasts == pytest.approx(lasts, rel=0.05)
 
 
 @pytest.mark.parametrize(
@@ -143,6 +153,34 @@ def test_one_that_keeps_moving_about_a_place_may_be_anywhere_there(positions: Po
 )
 def test_by_how_much_a_vehicle_turned(positions: Points, turned: float) -> None:
     assert further.going(positions, 100, 0.1).turned == pytest.approx(turned, abs=1e-7, rel=0.01)
+
+
+@pytest.mark.parametrize(
+    ("positions", "steady"),
+    [
+        (along(3.0 * TIMES), False),
+        (along(10.0 * np.sin(0.1 * TIMES), 10.0 * np.cos(0.1 * TIMES)), True),
+        (along(10.0 * np.sin(0.001 * TIMES), 10.0 * np.cos(0.001 * TIMES)), False),  # hardly
+        (along(3.0 * TIMES, -np.exp(-TIMES)), False),  # into a line
+    ],
+    ids=["straight", "a circle", "hardly", "a curve that ends"],
+)
+def test_what_turns_steadily_goes_round(positions: Points, steady: bool) -> None:
+    assert further.going(positions, 100, 0.1).steady == steady
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_no_circle_comes_nearer_than_a_steady_turn_may(seed: int) -> None:
+    random, half = np.random.default_rng(seed), 4.0
+    turned, speed = random.uniform(0.1, 1.0), random.uniform(1.0, 5.0)
+    times = np.linspace(0.0, 2.0 * math.pi * half / turned, 2000)
+    there, radius = random.normal(0.0, 30.0, 2), speed * half / turned
+    relative = np.tile([*there, 0.0], (len(times), 1))
+    found, _ = further.turning(relative, np.array([speed, 0.0, 0.0]), turned, half, times, steady=True)
+    for side in (-1.0, 1.0):
+        assert abs(math.hypot(there[0], there[1] - side * radius) - radius) >= found - 0.1
+    alone, _ = further.turning(relative, np.array([speed, 0.0, 0.0]), turned, half, times)
+    assert found >= alone
 
 
 @pytest.mark.parametrize("seed", range(5))

@@ -14,7 +14,7 @@ from campaigns.stored.records import Columns
 from worker.engine.stages.parts.base import all_columns
 from worker.engine.stages.parts.context import Context
 from worker.engine.stages.parts.findings import Found
-from worker.engine.stages.parts.scales import scale
+from worker.engine.stages.parts.scales import spanned
 
 
 def compare(context: Context, findings: Sequence[Finding], found: Found, labels: list[str]) -> list[Compared]:
@@ -27,7 +27,7 @@ def compare(context: Context, findings: Sequence[Finding], found: Found, labels:
     for at, columns in all_columns(context, list(searched)):
         result, near = searched[at], None
         if worst is not None:
-            close = (columns.status == OK) & (columns.costs[:, 0] <= worst + SAME_COST * scale(context, worst))
+            close = (columns.status == OK) & (columns.costs[:, 0] <= worst + SAME_COST * spanned(context, worst))
             near = int(np.argmax(close)) + 1 if close.any() else None
         best = result.best
         basin = None if best is None else _basin(found, at, best.cost, best.index, columns)
@@ -63,7 +63,7 @@ def reached(context: Context, found: Found, at: int, columns: Columns, i: int) -
     basin = found.basins[i]
     close = np.asarray((np.abs(columns.points - basin.point) <= SAME_PLACE).all(axis=1))
     close[[*_own(context, found, at, columns, i)]] = True
-    low = (columns.status == OK) & (columns.costs[:, 0] <= basin.cost + SAME_COST * scale(context, basin.cost))
+    low = (columns.status == OK) & (columns.costs[:, 0] <= basin.cost + SAME_COST * spanned(context, basin.cost))
     return int(np.argmax(low & close)) + 1 if (low & close).any() else None
 
 

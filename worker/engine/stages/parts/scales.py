@@ -7,6 +7,7 @@ import numpy as np
 from campaigns.limits import ROUNDING, ROUNDING_AT_LEAST, TOLERANCE_OF_MARGIN
 from worker.engine.stages.parts import seeds
 from worker.engine.stages.parts.context import Context
+from worker.engine.systems.base import Floats
 
 LOW, HIGH = 0.1, 0.9
 """Fractions of nominal minus worst between which there is an evaluation unless the nominal case is far above all."""
@@ -30,12 +31,16 @@ def spanned(context: Context, worst: float) -> float:
         return fall
     every = [columns.ranked() for _, columns in seeds.stated(context, sorted(context.results))]
     costs = np.concatenate([np.empty(0), *every])
-    while True:
-        costs = costs[costs < worst + HIGH * fall]
-        below = float(costs.max()) - worst if len(costs) >= FEW else 0.0
-        if not 0.0 < below < LOW * fall:
-            return fall
+    while below := far_above(costs, worst, fall):
         fall = below
+    return fall
+
+
+def far_above(costs: Floats, worst: float, fall: float) -> float:
+    """What costs (m,) span above the worst if so large a fall is far above all of them; 0 if it is not."""
+    costs = costs[costs < worst + HIGH * fall]
+    below = float(costs.max()) - worst if len(costs) >= FEW else 0.0
+    return below if 0.0 < below < LOW * fall else 0.0
 
 
 def rounding(context: Context, worst: float) -> float:

@@ -112,7 +112,9 @@ class End(NamedTuple):
     def turning(self, onward: Onward, moves: Motion) -> Iterator[Approach]:
         """What a vehicle comes to that turned and may turn on, which is not known."""
         further, i = self.further(), self.obstacle
-        lasts = min(further.lasts, GROWS * self.horizon)
+        half = 0.5 * self.horizon
+        turns = max(GROWS * self.horizon, 2.0 * math.pi * half / further.turned if further.steady else 0.0)
+        lasts = min(further.lasts, turns)
         if lasts == 0.0:
             return
         if moves.kind == "followed":
@@ -122,7 +124,7 @@ class End(NamedTuple):
             times, centre = np.linspace(0.0, lasts, MOMENTS), self.seen.centres[1, i]
             centres = centre + np.outer(times, (centre - self.seen.centres[0, i]) / self.flights.step)
         relative = centres - self.seen.positions[1]
-        distance, after = turning(relative, self.own, further.turned, 0.5 * self.horizon, np.minimum(times, lasts))
+        distance, after = turning(relative, self.own, further.turned, half, np.minimum(times, lasts), further.steady)
         yield from self._open(distance - self.extent, after, vehicle=True)
 
     def _open(self, low: float, after: float, vehicle: bool) -> Iterator[Approach]:
@@ -210,7 +212,7 @@ class End(NamedTuple):
 
     def _bounded(self, onward: Onward, path: Path, extent: float) -> Iterator[Approach]:
         """The approaches by the distances to a centre, which have a bound within every interval of its path."""
-        place, lasts, (on, about, _) = self.seen.positions[1], float(path.times[-1]), self.further()
+        place, lasts, (on, about, *_) = self.seen.positions[1], float(path.times[-1]), self.further()
         below = self.below + extent
 
         def approach(distance: float, after: float) -> Approach:

@@ -20,26 +20,28 @@ from worker.engine.systems.closed_loop.trace import Seen
 STRAIGHT = 0.5
 """A vehicle that got this fraction of its path away at least goes on; of less, it circles, hovers or turns back."""
 STANDS = 0.01
-"""A vehicle has come to its goal that moved by this fraction of all its path at most in the last half horizon: creeping
-there, it may take any direction."""
+"""A vehicle has come to its goal that moved by this fraction of all its path at most in the last half horizon, and got
+away by less than `STRAIGHT` of that: what creeps there may take any direction, what is carried away does not."""
 INTERVALS = 100
 """Of the last half horizon, for which places are compared."""
-
-
 GROWS = 2.0
 """What turns may turn on at that rate for so many horizons."""
+STEADY = 0.4, 0.05
+"""What turned in the last quarter of a horizon by this fraction of its turn in the last half, which is so large [rad],
+may turn on for ever, on a circle."""
 MOMENTS = 1000
-"""Of these."""
+"""For which a turn is followed."""
 
 
 class Remaining(NamedTuple):
     """lasts: how long the vehicle goes on with the velocity of the last step to get as far as it will [s]; about: how
     far from its last place it may be later, where it keeps moving about that [m]; turned: the largest angle between its
-    last velocity and those in the last half horizon [rad]."""
+    last velocity and those in the last half horizon [rad]; steady: whether it turned as much in the latter half."""
 
     lasts: float = 0.0
     about: float = 0.0
     turned: float = 0.0
+    steady: bool = False
 
 
 def remaining(flights: Flights, row: Floats, trace: Floats, last: int, halfway: int) -> Remaining:
@@ -58,17 +60,16 @@ def going(places: Floats, late: int, each: float) -> Remaining:
     moved = np.linalg.norm(np.diff(places, axis=0), axis=1)
     before, moved = moved.sum(), moved[-late:]
     away = np.linalg.norm(places[-1] - places[-1 - len(moved) :], axis=1)
-    if moved.sum() <= STANDS * before:
-        return Remaining()
-    if away[0] < STRAIGHT * moved.sum():
-        return Remaining(about=float(away.max()))
-    turned = _turned(places[-1 - len(moved) :])
+    if away[0] <= STRAIGHT * moved.sum():
+        return Remaining() if moved.sum() <= STANDS * before else Remaining(about=float(away.max()))
     middle, end = len(moved) // 2, len(moved) - 1
+    turned, later = _turned(places[-1 - len(moved) :]), _turned(places[-1 - middle :])
+    steady = turned >= STEADY[1] and later >= STEADY[0] * turned
     if not 0 < middle < end or not moved[0] > moved[middle] > moved[end]:
-        return Remaining(math.inf, turned=turned)
+        return Remaining(math.inf, turned=turned, steady=steady)
     # A speed that falls by the same fraction in every interval; by the smaller one of both halves, which gets farther.
     first, second = (math.log(moved[a] / moved[b]) / (b - a) for a, b in ((0, middle), (middle, end)))
-    return Remaining(each / min(first, second), turned=turned)
+    return Remaining(each / min(first, second), turned=turned, steady=steady)
 
 
 def _turned(places: Floats) -> float:
@@ -80,14 +81,18 @@ def _turned(places: Floats) -> float:
     return float(np.arccos(np.clip(along, -1.0, 1.0)).max())
 
 
-def turning(relative: Floats, velocity: Floats, turned: float, half: float, times: Floats) -> tuple[float, float]:
+def turning(
+    relative: Floats, velocity: Floats, turned: float, half: float, times: Floats, steady: bool = False
+) -> tuple[float, float]:
     """The smallest distance of places (n, 3) at some times [s] from anywhere that a vehicle may be then, and when;
-    half: the time in which it turned by that angle [s], as it may again."""
+    half: the time in which it turned by that angle [s], as it may again; steady: it gets no farther than across the
+    circle of that turn."""
     speed, there = float(np.linalg.norm(velocity)), np.linalg.norm(relative, axis=1)
     angles = np.arccos(np.clip(relative @ velocity / np.maximum(there * speed, 1e-300), -1.0, 1.0))
     aside = np.clip(angles - turned * (1.0 + times / half), 0.0, 0.5 * np.pi)
     # The nearest place of a sector: on its edge, at its tip or its rim.
-    gone = np.clip(there * np.cos(aside), 0.0, speed * times)
+    farthest = speed * (np.minimum(times, 2.0 * half / turned) if steady else times)
+    gone = np.clip(there * np.cos(aside), 0.0, farthest)
     found = np.sqrt(np.maximum(there**2 + gone**2 - 2.0 * there * gone * np.cos(aside), 0.0))
     k = int(np.argmin(found))
     return float(found[k]), float(times[k])

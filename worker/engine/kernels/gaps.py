@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -45,6 +45,11 @@ class Overstated(NamedTuple):
     def distance(self) -> float:
         """What the distance at the first place is at most [m]."""
         return self.there + float(np.linalg.norm(self.place - self.elsewhere))
+
+
+def centre_of(body: Any, axes: int) -> tuple[float, ...]:
+    """The centre of an obstacle's body, along so many axes."""
+    return tuple(float(getattr(body, axis)) for axis in "xyz"[:axes])
 
 
 def overstated(gap: Gap, centre: Floats, extent: float) -> Overstated | None:

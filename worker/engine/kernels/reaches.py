@@ -15,7 +15,7 @@ import numpy as np
 
 from worker.engine.kernels.bind import plain
 from worker.engine.kernels.component import Obstacle, declared
-from worker.engine.kernels.gaps import Overstated, overstated
+from worker.engine.kernels.gaps import Overstated, centre_of, overstated
 
 Values = Mapping[str, float]
 """The parameters of an obstacle, by name."""
@@ -90,7 +90,7 @@ class Reaches:
             def gap(place: Any) -> float:
                 return float(self._body(time, there, tuple(map(float, place)), p).gap)
 
-            middle = np.array(_centre(self._body(time, there, (0.0,) * axes, p), axes))
+            middle = np.array(centre_of(self._body(time, there, (0.0,) * axes, p), axes))
             extent = abs(float(np.linalg.norm(middle)) - gap(np.zeros(axes)))
             return overstated(gap, middle, extent if 0.0 < extent < math.inf else 1.0)
         except (ArithmeticError, ValueError, LookupError, AttributeError):
@@ -104,13 +104,13 @@ class Reaches:
     def _extent(self, time: float, states: States, p: Any, reach: float) -> tuple[float, float]:
         """How far the surface extends from the centre, and the rounding of this [m]."""
         axes = self._obstacle.dimension
-        middle = _centre(self._body(time, states, (0.0,) * axes, p), axes)
+        middle = centre_of(self._body(time, states, (0.0,) * axes, p), axes)
         away = FAR * max(1.0, reach)
 
         def seen(direction: Sequence[float]) -> tuple[float, tuple[float, ...]]:
             q = tuple(m + away * d for m, d in zip(middle, direction, strict=True))
             body = self._body(time, states, q, p)
-            centre = _centre(body, axes)
+            centre = centre_of(body, axes)
             normal = [float(getattr(body, f"n{axis}")) for axis in "xyz"[:axes]]
             to = tuple(a - body.gap * n - c for a, n, c in zip(q, normal, centre, strict=True))
             return math.dist(q, centre) - body.gap, to
@@ -153,10 +153,6 @@ def sampled(nominal: Values, bounds: Mapping[str, tuple[float, float]]) -> Itera
     for point in chance.random((INNER, len(names))).tolist():
         within = {n: bounds[n][0] + part * (bounds[n][1] - bounds[n][0]) for n, part in zip(names, point, strict=True)}
         yield {**nominal, **within}
-
-
-def _centre(body: Any, axes: int) -> tuple[float, ...]:
-    return tuple(float(getattr(body, axis)) for axis in "xyz"[:axes])
 
 
 def _directions(axes: int) -> list[tuple[float, ...]]:

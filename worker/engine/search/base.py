@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Generator, Mapping, Sequence
-from dataclasses import dataclass, field, is_dataclass
+from dataclasses import dataclass, field, is_dataclass, replace
 from itertools import accumulate
 from typing import Any, Literal, NamedTuple, Protocol
 
@@ -82,6 +82,13 @@ class Space:
     threshold: float = float("-inf")
     confidence: float = 0.95
     slots: int = 0
+
+    def of_member(self, budget: int, starts: Floats) -> Space:
+        """The space of a member: with random numbers of its own, in batches, and without attributions of its own."""
+        random = np.random.default_rng(self.random.integers(2**63))
+        return replace(
+            self, budget=budget, random=random, starts=starts, attribute=lambda member, points: None, slots=0
+        )
 
 
 class Ended(str):

@@ -83,14 +83,9 @@ def _at_most(events: int, samples: int, p: float) -> float:
     return math.exp(cumulative(events, samples, p)[-1])
 
 
-def certifying(run: Run) -> list[int]:
-    """The stage that draws the run's independent sample, if it has one."""
-    return [k for k, planned in enumerate(run.plan) if planned.kind == "certify"]
-
-
 def _certified(run: Run) -> Sampled | None:
     """The run's independent sample, all of it, whichever draws are stored; earlier versions did not look at it."""
-    at = certifying(run)
+    at = run.certifying
     if run.wording < limits.WIDER or not at or not run.samples[at[0]].samples:
         return None
     of = run.samples[at[0]]

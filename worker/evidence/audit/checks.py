@@ -176,6 +176,5 @@ def _probability(run: Run) -> dict[str, bool]:
 
 def _sampled(run: Run) -> bool:
     """Whether the certify stage drew enough, with a seed that nobody chose."""
-    certify = [k for k, planned in enumerate(run.plan) if planned.kind == "certify"]
-    drawn = [k for k in certify if run.claims["results"][k].get("drawn_at_launch") is True]
+    drawn = [k for k in run.certifying if run.claims["results"][k].get("drawn_at_launch") is True]
     return any(run.samples[k].samples >= limits.SAMPLE for k in drawn)

@@ -17,7 +17,7 @@ from worker.evidence.audit.estimate import Searched
 from worker.evidence.audit.parts import written
 from worker.evidence.audit.points import required
 from worker.evidence.audit.recompute import Run
-from worker.evidence.audit.record import MISSING, Missing, Record, UnreadableError
+from worker.evidence.audit.record import MALFORMED, MISSING, Missing, Record, UnreadableError
 from worker.evidence.audit.results import of_results
 from worker.evidence.audit.sentences import shown, unlike
 from worker.evidence.audit.statement import compared_sentence
@@ -28,10 +28,6 @@ EARLIER = "earlier rules."
 """Before the names of claims that hold by the rules of the record's version alone."""
 ABSENT = "absent"
 """In place of a value that every run of this version stores."""
-
-
-MALFORMED = (TypeError, ValueError, LookupError, AttributeError, ArithmeticError, AssertionError, StopIteration)
-"""How reading a record of another form ends."""
 
 
 def no_run(error: Exception) -> UnreadableError:

@@ -112,7 +112,9 @@ class Run:
         self.whole = self.sealed or today
         """Whether what rules need is required, although versions before the evidence digest stored none of it."""
         self.plan, self.threshold = plan(self.campaign), self.campaign.criterion.threshold
-        self.searches = [k for k, planned in enumerate(self.plan) if planned.kind == "search"]
+        self.searches, self.certifying = (
+            [k for k, planned in enumerate(self.plan) if planned.kind == kind] for kind in ("search", "certify")
+        )
         self.every, self.raw, self.costs = costs, costs[:, 0], costs[self.status == OK, 0]
         by_stage = [self.raw[(self.stage == k) & (self.status == OK)] for k in range(len(self.plan))]
         self.ended = [counts(self.status[self.stage == k]) for k in range(len(self.plan))]
@@ -276,10 +278,10 @@ class Run:
         self.quantity, self.unit = self._decides(components)
         self.installed = {method.name: method for method in components.methods}
         self.methods = {k: self.installed[self.plan[k].method] for k in self.searches}
-        certify = {k for k, planned in enumerate(self.plan) if planned.kind == "certify"}
         random = {k for k in self.searches if self.methods[k].kind == "random"}
-        self.samples = {k: self.sample(k) for k in sorted(certify | random)}
-        claimable = (s for k, s in self.samples.items() if k in (certify or random) and s.upper_bound is not None)
+        self.samples = {k: self.sample(k) for k in sorted(random.union(self.certifying))}
+        among = self.certifying or random
+        claimable = (s for k, s in self.samples.items() if k in among and s.upper_bound is not None)
         self.claimed = next(claimable, None)
         self.bound = self.claimed and self.claimed.upper_bound
         points = [recorded["point"] for recorded in self.claims["findings"]]

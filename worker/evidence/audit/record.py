@@ -29,6 +29,9 @@ from campaigns.versions import Versions, undigested
 from worker.evidence.audit import files
 from worker.evidence.audit.limits import GRANTED
 
+MALFORMED = (TypeError, ValueError, LookupError, AttributeError, ArithmeticError, AssertionError, StopIteration)
+"""How reading a record of another form ends, and judging one by rules that need what it does not have."""
+
 
 class Missing(str):
     """Why a value cannot be compared."""

@@ -134,7 +134,7 @@ def _statistics(run: Run) -> Sample | Statistics | None:
     """The sample that the probability is claimed by, without what the verdict has not."""
     if run.claimed is None or not run.sealed:
         return run.claimed and changed(run.claimed, **dict.fromkeys(BESIDE, OMIT))
-    source: BoundSource = "certify" if any(stage.kind == "certify" for stage in run.plan) else "search"
+    source: BoundSource = "certify" if run.certifying else "search"
     known = {name: value for name, value in vars(run.claimed).items() if name in run.claimed.model_fields_set}
     return made(Statistics, **{name: value for name, value in known.items() if name not in BESIDE}, source=source)
 
@@ -168,7 +168,7 @@ def _continued(run: Run) -> int:
     findings, each = run.claims["findings"], len(run.campaign.given_scenario.realisations.seeds)
     own = sum(f["validation"]["realisation"] is not None for f in findings)
     total = own + each * (1 + len(findings) - own)
-    for k in (k for k, planned in enumerate(run.plan) if planned.kind == "certify"):
+    for k in run.certifying:
         succeeded, drawn = run.status[run.stage == k] == OK, run.claims["results"][k]["drawn_realisations"]
         total += int(succeeded[:drawn].sum()) + each * int(succeeded[drawn:].sum())
     return total + each * _others(run)[0]
@@ -180,9 +180,8 @@ def _others(run: Run) -> tuple[int, int]:
     beyond = run.claims["results"][-1]["encounter"].get("beyond") or {}
     if run.wording < limits.WIDER and "not_continued" not in beyond:
         return 0, 0
-    certify = [k for k, planned in enumerate(run.plan) if planned.kind == "certify"]
-    stored = int(((run.status == OK) & ~np.isin(run.stage, certify)).sum())
-    counted = [run.counted[k].beside for k in certify if k in run.counted]
+    stored = int(((run.status == OK) & ~np.isin(run.stage, run.certifying)).sum())
+    counted = [run.counted[k].beside for k in run.certifying if k in run.counted]
     some = min(limits.OTHERS, stored)
     return some, stored - some + sum(each.evaluations - each.failed - each.excluded for each in counted)
 

@@ -15,12 +15,9 @@ from worker.evidence.audit.checks import as_stated, required_checks
 from worker.evidence.audit.estimate import estimated
 from worker.evidence.audit.parts import written
 from worker.evidence.audit.recompute import Run
-from worker.evidence.audit.record import Record
+from worker.evidence.audit.record import MALFORMED, Record
 from worker.evidence.audit.regression import examined, regression
 from worker.evidence.audit.results import validated
-
-UNKNOWN = (TypeError, ValueError, LookupError, AttributeError, ArithmeticError, AssertionError, StopIteration)
-"""How judging a record by rules ends that need what it does not have."""
 
 
 def earlier(run: Run) -> bool:
@@ -39,7 +36,7 @@ def resting(run: Run, record: Record, searches: Mapping[int, Any], at_most: int,
         today.searched = searches
         today.describe()
         checks = required_checks(today, validated(today, at_most, spot_checks).ok)
-    except UNKNOWN:
+    except MALFORMED:
         yield "verdict"
         return
     if cleared:
@@ -70,7 +67,7 @@ def _compared(today: Run, stated: Any, checks: dict[str, bool]) -> Iterator[str]
         return
     try:
         found = written(regression(today, checks)) if examined(today) else None
-    except UNKNOWN:
+    except MALFORMED:
         found = None
     for name in claimed:
         if found is None:

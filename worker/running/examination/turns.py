@@ -15,6 +15,7 @@ from campaigns.catalogue import RateEntry
 from campaigns.checked.rates import fastest
 from worker.engine.kernels.bind import plain
 from worker.engine.kernels.component import Obstacle
+from worker.engine.kernels.gaps import centre_of
 from worker.running.examination.mistake import Mistake
 
 Floats = npt.NDArray[np.float64]
@@ -85,21 +86,17 @@ def _motion(obstacle: Obstacle, arguments: tuple[object, ...], times: Floats) ->
     from the centre [m]. None of them, if the centre depends on the place from which it is seen."""
     _, o, q, p = arguments
     body, axes = plain(obstacle.body), obstacle.dimension
-    start = _centre(body(0.0, o, q, p), axes)
+    start = np.array(centre_of(body(0.0, o, q, p), axes))
     away = max(1.0, float(body(0.0, o, q, p).radius))
     around = [away * direction for direction in _directions(axes)]
-    if any(_centre(body(0.0, o, tuple(start + d), p), axes).tolist() != start.tolist() for d in around):
+    if any(centre_of(body(0.0, o, tuple(start + d), p), axes) != tuple(start) for d in around):
         return np.empty((0, axes)), np.empty((0, PLACES)), away
-    centres = np.array([_centre(body(float(t), o, q, p), axes) for t in times])
+    centres = np.array([centre_of(body(float(t), o, q, p), axes) for t in times])
     gaps = [
         [body(float(t), o, tuple(map(float, c + d)), p).gap for d in around]
         for t, c in zip(times, centres, strict=True)
     ]
     return centres, np.array(gaps), away
-
-
-def _centre(body: object, axes: int) -> Floats:
-    return np.array([float(getattr(body, axis)) for axis in "xyz"[:axes]])
 
 
 def _directions(axes: int) -> list[Floats]:

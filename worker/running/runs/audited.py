@@ -7,7 +7,7 @@ from campaigns.versions import Versions
 from worker.evidence.audit import judge
 from worker.evidence.audit.estimate import UNKNOWN, Searched
 from worker.evidence.audit.judge import Item, Known
-from worker.evidence.audit.record import MISSING, Missing, Record
+from worker.evidence.audit.record import MALFORMED, MISSING, Missing, Record
 from worker.evidence.restatement.names import beyond
 from worker.evidence.restatement.restate import restated, titles
 from worker.running.catalogue.installed import catalogue
@@ -19,7 +19,7 @@ def audited(record: Record) -> list[Item]:
     """Every claim of the record with its recomputed value; nothing is evaluated."""
     try:
         found = known(record)
-    except judge.MALFORMED as error:
+    except MALFORMED as error:
         raise judge.no_run(error) from None
     return judge.audit(record, found)
 

@@ -18,7 +18,6 @@ from worker.engine.rare.estimate import Estimate, Refused, estimated, without_fa
 from worker.engine.search.base import Batch
 from worker.engine.stages.estimate import STREAM, density
 from worker.evidence.audit import draw, limits
-from worker.evidence.audit.alarms import certifying
 from worker.evidence.audit.estimate import Drawn, Searched
 from worker.evidence.audit.recompute import Run
 from worker.evidence.audit.record import Record
@@ -114,7 +113,7 @@ def _starts(run: Run, k: int, own: Distributions) -> _Starts:
         first = earlier.chosen(run.points[rows], low[rows], budget)
         normal, stored = earlier.normal(uniform), None
     else:
-        sampled = np.isin(run.stage[rows], certifying(run))
+        sampled = np.isin(run.stage[rows], run.certifying)
         stored = normal = starts.normal(uniform)
         first = starts.chosen(starts.Stored(run.points[rows], low[rows], normal, sampled), budget)
     moved = starts.moved(uniform[first]) & (run.wording >= limits.WIDER)

@@ -164,10 +164,8 @@ class Team:
 
     def _own(self) -> Space:
         """The space of a member: with random numbers of its own."""
-        random = np.random.default_rng(self.space.random.integers(2**63))
         n = self.space.dimension
-        own = replace(self.space, budget=EPOCH * n, random=random, starts=np.empty((0, n)), slots=0)
-        return replace(own, attribute=_nobody)
+        return self.space.of_member(EPOCH * n, np.empty((0, n)))
 
     def tell(self, member: Running, batch: Batch) -> None:
         """Pass a member its values, which all leading members learn from."""
@@ -317,10 +315,6 @@ def modelled(shared: Shared, space: Space, at_once: int, descent: lq_cma_es.Desc
     """lq-CMA-ES from the lowest point of all, with what the other leading members evaluated."""
     options = lq_cma_es.Options(at_once=at_once)
     return (yield from lq_cma_es.continued(space, options, shared.explored, shared.best, descent))
-
-
-def _nobody(member: str, points: int) -> None:
-    pass
 
 
 TOGETHER = [of.method for of in (sqp, lq_cma_es, differential_evolution, cma_es, direct, mlsl)]

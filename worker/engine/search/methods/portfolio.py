@@ -14,7 +14,7 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Collection
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Annotated, Any
 
 import numpy as np
@@ -122,15 +122,7 @@ class Running(Member):
             starts = start[None, :]
         self.lowest = np.inf
         self.past.clear()
-        space = replace(
-            self.space,
-            budget=EPOCH,
-            random=np.random.default_rng(self.space.random.integers(2**63)),
-            starts=starts,
-            attribute=lambda member, points: None,
-            slots=0,
-        )
-        self.search = self.method.search(space, self.part.options)
+        self.search = self.method.search(self.space.of_member(EPOCH, starts), self.part.options)
         return self._advanced(None)
 
     def tell(self, batch: Batch) -> None:

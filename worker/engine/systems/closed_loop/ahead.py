@@ -13,6 +13,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from worker.engine.kernels.gaps import centre_of
 from worker.engine.systems.base import Floats
 from worker.engine.systems.closed_loop.flights import Flights
 from worker.engine.systems.closed_loop.trace import Seen
@@ -110,7 +111,7 @@ class Ahead:
         body = self._body(obstacle, self._place)
         if self._flights.parts.criterion.measured_to == "surface":
             return float(body.gap) - self._parameter("criterion.body_radius")
-        return math.dist(_centre(body, self._axes), self._place[: self._axes])
+        return math.dist(centre_of(body, self._axes), self._place[: self._axes])
 
     @cached_property
     def _others(self) -> Floats:
@@ -143,7 +144,7 @@ class Ahead:
 
     def leans(self, obstacle: int, begin: Floats, end: Floats) -> bool:
         """Whether an obstacle's centre depends on the place from which it is seen on a line."""
-        centres = [_centre(self._body(obstacle, begin + k * (end - begin)), self._axes) for k in (0.0, 0.3, 0.7, 1.0)]
+        centres = [centre_of(self._body(obstacle, begin + k * (end - begin)), self._axes) for k in (0.0, 0.3, 0.7, 1.0)]
         return any(math.dist(centre, centres[0]) > SAME * (1.0 + math.hypot(*centre)) for centre in centres)
 
     def carried(self, obstacle: int, leg: Leg, times: tuple[float, float, int]) -> Floats:
@@ -210,10 +211,6 @@ class Ahead:
                 best = min(best, (float(inside[at]), begin + at * part))
                 begin, width = begin + min(max(at - 1, 0), PIECES - 2) * part, 2.0 * part
         return best
-
-
-def _centre(body: Any, axes: int) -> tuple[float, ...]:
-    return (body.x, body.y, body.z) if axes == 3 else (body.x, body.y)
 
 
 def _least(channel: Floats) -> Floats:

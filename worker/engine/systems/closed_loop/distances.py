@@ -14,7 +14,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from campaigns.results.validate import Mismeasured
-from worker.engine.kernels.gaps import overstated
+from worker.engine.kernels.gaps import centre_of, overstated
 from worker.engine.kernels.layout import Parts
 from worker.engine.systems.base import Floats
 from worker.engine.systems.closed_loop.assemble import Loop
@@ -84,7 +84,7 @@ class _Compared:
     def differences(self) -> Iterator[Mismeasured]:
         for obstacle in range(self._count):
             body = self._bodies(np.zeros(self._axes))[obstacle]
-            centre, gap = np.array(_centre(body, self._axes)), float(body.gap)
+            centre, gap = np.array(centre_of(body, self._axes)), float(body.gap)
             extent = abs(float(np.linalg.norm(centre)) - gap)
             extent = extent if math.isfinite(extent) and extent > SAME else 1.0
             yield from self._overstated(obstacle, centre, extent)
@@ -145,14 +145,10 @@ class _Compared:
         bodies = self._bodies(place)
         if self._surface:
             return min(float(body.gap) for body in bodies) - self._less
-        return min(math.dist(_centre(body, self._axes), place) for body in bodies)
+        return min(math.dist(centre_of(body, self._axes), place) for body in bodies)
 
     def _bodies(self, place: Floats) -> Any:
         """The obstacles as seen from a place."""
         states, state = self._loop.states, self._instant.state
         o = tuple(map(float, state[states.total - states.obstacles :]))
         return self._loop.part("bodies")(self._instant.time, o, tuple(map(float, place)), self._p)
-
-
-def _centre(body: Any, axes: int) -> tuple[float, ...]:
-    return (body.x, body.y, body.z) if axes == 3 else (body.x, body.y)

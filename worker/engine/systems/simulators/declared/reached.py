@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import contextlib
 import importlib.machinery
+import importlib.util
 import os
 import site
 import sys
@@ -93,9 +94,11 @@ class _Walk:
         self._outside += [(file, use) for use in read.outside]
         self.found.unknown = self.found.unknown or read.unknown
         for name, level in read.names:
-            absolute = _absolute(name, level, package)
-            if absolute:
-                yield from self._module(absolute)
+            try:
+                absolute = importlib.util.resolve_name("." * level + name, package)
+            except ImportError:
+                continue  # outside of the package
+            yield from self._module(absolute)
 
     def _module(self, name: str) -> Iterator[tuple[Path, str]]:
         """The files that an import of this name executes: the packages around it, and its own."""
@@ -188,13 +191,3 @@ def _spec(name: str, path: list[str], editable: bool) -> importlib.machinery.Mod
     except (ImportError, ValueError, AttributeError, OSError):
         return None
     return spec
-
-
-def _absolute(name: str, level: int, package: str) -> str:
-    """The name without dots before it; empty if it is outside of the package."""
-    if not level:
-        return name
-    parts = package.split(".") if package else []
-    if level > len(parts):
-        return ""
-    return ".".join(filter(None, [*parts[: len(parts) - level + 1], name]))

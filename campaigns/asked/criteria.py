@@ -6,7 +6,7 @@ from collections.abc import Iterable, Iterator
 
 from campaigns.asked.problem import Problem
 from campaigns.asked.spec import Campaign
-from campaigns.catalogue import Catalogue
+from campaigns.catalogue import Catalogue, ComponentEntry, ResultEntry
 
 
 def criteria(campaign: Campaign, catalogue: Catalogue) -> Iterator[Problem]:
@@ -27,6 +27,14 @@ def criteria(campaign: Campaign, catalogue: Catalogue) -> Iterator[Problem]:
         elif entry is not None and entry.of == "goal":
             yield from _reached(field, entry.name, campaign, catalogue)
         measures.append((objective.component, objective.parameters))
+
+
+def deciding(campaign: Campaign, catalogue: Catalogue) -> ComponentEntry | ResultEntry | None:
+    """What decides the verdict: a criterion, or a result of the simulator; None if the catalogue has none."""
+    if campaign.simulator is None:
+        return catalogue.component("criterion", campaign.criterion.component)
+    simulator = catalogue.simulator(campaign.simulator.name)
+    return None if simulator is None else simulator.result(campaign.criterion.result)
 
 
 def named(components: Iterable[str]) -> list[str]:

@@ -3,6 +3,7 @@ other only if they are equal."""
 
 from __future__ import annotations
 
+from campaigns.asked.criteria import deciding
 from campaigns.asked.spec import Campaign
 from campaigns.catalogue import Catalogue
 from campaigns.checked.check import parameters
@@ -27,17 +28,8 @@ def differing(then: Campaign, before: Catalogue, now: Campaign, here: Catalogue)
 def _units(campaign: Campaign, catalogue: Catalogue) -> dict[str, str]:
     known = parameters(campaign, catalogue)
     found = {path: known[path][0].unit for path in campaign.uncertain if path in known}
-    of = _criterion(campaign, catalogue)
-    return found if of is None else {"its criterion": of, **found}
-
-
-def _criterion(campaign: Campaign, catalogue: Catalogue) -> str | None:
-    if campaign.simulator is None:
-        component = catalogue.component("criterion", campaign.criterion.component or "")
-        return None if component is None else component.unit
-    simulator = catalogue.simulator(campaign.simulator.name)
-    result = None if simulator is None else simulator.result(campaign.criterion.result)
-    return None if result is None else result.unit
+    decides = deciding(campaign, catalogue)
+    return found if decides is None else {"its criterion": decides.unit, **found}
 
 
 def _other_code(then: Campaign, before: Catalogue, here: Catalogue) -> str:

@@ -13,8 +13,8 @@ from campaigns.limits import DRAWS, OTHERS
 from campaigns.stages.found import StageKind, declared
 
 
-class Planned(NamedTuple):
-    """One planned stage; `planned` evaluations are its budget. For certify it excludes repeated draws."""
+class StagePlan(NamedTuple):
+    """A stage before it starts; `planned` evaluations are its budget. For certify it excludes repeated draws."""
 
     kind: StageKind
     method: str | None
@@ -35,10 +35,10 @@ class Bounded(NamedTuple):
         return self.stored + self.again
 
 
-def plan(campaign: Campaign) -> list[Planned]:
+def plan(campaign: Campaign) -> list[StagePlan]:
     """The stages of a run in their order."""
     return [
-        Planned(stage.kind, method, evaluations)
+        StagePlan(stage.kind, method, evaluations)
         for stage in declared().values()
         for method, evaluations in stage.planned(campaign)
     ]

@@ -17,7 +17,7 @@ from campaigns.results import StageResult, TraceHead
 from campaigns.results.base import OK
 from campaigns.results.trace import TraceColumn
 from campaigns.runs import StageState
-from campaigns.stages.found import StageKind
+from campaigns.stages.plan import StagePlan as StagePlan
 from campaigns.versions import Versions
 
 
@@ -44,15 +44,6 @@ class Ahead(NamedTuple):
 
     indices: NDArray[np.int64]
     columns: Columns
-
-
-@dataclass(frozen=True)
-class StagePlan:
-    """A stage before it starts; `planned` is its budget of evaluations."""
-
-    kind: StageKind
-    method: str | None
-    planned: int
 
 
 @dataclass(frozen=True)

@@ -27,7 +27,7 @@ from campaigns.refusals import RefusalCode
 from campaigns.results import Verdict
 from campaigns.runs import ENDED, run_name
 from campaigns.stages.plan import plan
-from campaigns.stored.records import Columns, StagePlan
+from campaigns.stored.records import Columns
 from clearance.cli import WrongInputError
 from clearance.cli._where import existing_url_of, stored_run
 from clearance.local.citation import Cited, Earlier
@@ -102,7 +102,7 @@ def _of_database(
         earlier = _earlier(engine, run_id)
         onward, columns = earlier.onward(budget)
         accept(onward)
-        planned = [StagePlan(*p) for p in plan(onward)]
+        planned = plan(onward)
         known = catalogue()
         versions = earlier.versions if earlier.versions.code else None
 

@@ -257,13 +257,11 @@ def _fresh(
 
 def _unit(campaign: Campaign) -> str:
     """The unit of the criterion."""
+    from campaigns.asked.criteria import deciding
     from worker.running.catalogue.installed import catalogue
 
-    criterion, known = campaign.criterion, catalogue()
-    if campaign.simulator is None:
-        return next((c.unit for c in known.components if (c.role, c.name) == ("criterion", criterion.component)), "")
-    results = next((s.results for s in known.simulators if s.name == campaign.simulator.name), ())
-    return next((result.unit for result in results if result.name == criterion.result), "")
+    decides = deciding(campaign, catalogue())
+    return "" if decides is None else decides.unit
 
 
 def _interrupted(ended: EndedRun, options: launch.Launch, as_json: bool) -> KeyboardInterrupt:

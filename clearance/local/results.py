@@ -30,7 +30,7 @@ from campaigns.sample_seed import SampleSeed
 from campaigns.stages.found import stage_result
 from campaigns.stages.plan import plan
 from campaigns.stored.digest import Rows, evidence_digest
-from campaigns.stored.records import Columns, StagePlan, StageRecord, Trace
+from campaigns.stored.records import Columns, StageRecord, Trace
 from campaigns.unreadable import UNREADABLE
 from campaigns.versions import Versions, short
 from clearance.local import RESULT as RESULT
@@ -165,7 +165,7 @@ def read_folder(folder: Path) -> tuple[Campaign, MemoryStore]:
                 RefusalCode.NO_RUN,
             )
     campaign = load_file(folder / CAMPAIGN)
-    stages = [StageRecord(StagePlan(*planned)) for planned in plan(campaign)]
+    stages = [StageRecord(planned) for planned in plan(campaign)]
     with _readable(f"{ARRAYS} in it"):
         chunks = _read_bits(folder / ARRAYS, len(stages))
     seed = _sample_seed(folder)

@@ -22,6 +22,7 @@ from backend.scenes.base import declaration
 from backend.scenes.base.axes import Axes, Floats, axes_of
 from backend.scenes.base.flight import from_stored
 from campaigns import Campaign, Catalogue
+from campaigns.asked.criteria import deciding
 from campaigns.catalogue import ComponentEntry, ParameterEntry
 from campaigns.checked.check import parameters
 from campaigns.claims import numbers
@@ -178,8 +179,6 @@ def load(reader: sa.Connection, run_id: int) -> Setting:
         values=values,
         moving=_moving(campaign, catalogue),
         to_surface=criterion is not None and criterion.measured_to == "surface",
-        quantity=criterion.quantity if criterion else "",
-        unit=criterion.unit if criterion else "",
         horizon=scenario.horizon,
         obstacles=tuple(part.component for part in scenario.obstacles),
     )
@@ -188,8 +187,6 @@ def load(reader: sa.Connection, run_id: int) -> Setting:
 def _declared(reader: sa.Connection, run_id: int, campaign: Campaign) -> Setting:
     scene, catalogue = scene_of(reader, run_id), described(reader, run_id)
     assert scene is not None
-    entry = None if catalogue is None or campaign.simulator is None else catalogue.simulator(campaign.simulator.name)
-    result = None if entry is None else entry.result(campaign.criterion.result)
     stored = sa.select(Trace.name).where(Trace.run_id == run_id)
     flights = [from_stored(results.stored(reader, run_id, name)) for name in reader.scalars(stored).all()]
     there = [flight for flight in flights if flight is not None]
@@ -206,8 +203,6 @@ def _declared(reader: sa.Connection, run_id: int, campaign: Campaign) -> Setting
         values=declaration.values(scene),
         moving=[False] * len(scene.obstacles) + [True] * len(scene.bodies),
         to_surface=False,
-        quantity=result.quantity if result else "",
-        unit=result.unit if result else "",
         horizon=max([0.0, *(float(flight.time[-1]) for flight in there)]) or 1.0,
         scene=scene,
     )
@@ -216,6 +211,7 @@ def _declared(reader: sa.Connection, run_id: int, campaign: Campaign) -> Setting
 def _same(reader: sa.Connection, run_id: int, campaign: Campaign, catalogue: Catalogue | None) -> dict[str, Any]:
     """The fields that a scenario and a simulator have in the same form."""
     summary = reader.scalar(sa.select(Run.summary).where(Run.id == run_id)) or {}
+    decides = None if catalogue is None else deciding(campaign, catalogue)
     return {
         "run": run_name(run_id),
         "worst": (summary.get("worst") or {}).get("finding") or WORST,
@@ -223,6 +219,8 @@ def _same(reader: sa.Connection, run_id: int, campaign: Campaign, catalogue: Cat
         "digest": campaign.digest,
         "document": campaign.document(),
         "threshold": campaign.criterion.threshold,
+        "quantity": decides.quantity if decides else "",
+        "unit": decides.unit if decides else "",
         "uncertain": _uncertain(campaign, {} if catalogue is None else parameters(campaign, catalogue)),
         "methods": searches(campaign, catalogue),
         "drawn": looks(reader, run_id),

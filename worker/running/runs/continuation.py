@@ -25,7 +25,7 @@ from campaigns.refusals import Refusal, RefusalCode
 from campaigns.sample_seed import SampleSeed
 from campaigns.stages.found import declared
 from campaigns.stages.plan import plan
-from campaigns.stored.records import Ahead, Columns, StagePlan, StageRecord
+from campaigns.stored.records import Ahead, Columns, StageRecord
 from campaigns.versions import Versions, differing, other_code
 from worker.running.catalogue.installed import catalogue, methods
 from worker.running.opening import opened
@@ -200,7 +200,7 @@ def preloaded(
 ) -> MemoryStore:
     """A store in memory that a run of the new campaign resumes from; ahead: those that an earlier one is missing for,
     of the same stages."""
-    stages = [StageRecord(StagePlan(*planned)) for planned in plan(new)]
+    stages = [StageRecord(planned) for planned in plan(new)]
     chunks = {at: [columns] for at, columns in evaluations.items()}
     waiting = {at: columns for at, columns in (ahead or {}).items() if at in chunks}
     return MemoryStore(stages=stages, chunks=chunks, sample_seed=seed or SampleSeed.drawn(), waiting=waiting)

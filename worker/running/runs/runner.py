@@ -16,7 +16,7 @@ from campaigns import Campaign
 from campaigns.results import Verdict
 from campaigns.runs import StageState
 from campaigns.stages.plan import plan
-from campaigns.stored.records import StagePlan, StageRecord
+from campaigns.stored.records import StageRecord
 from worker.engine.problem.evaluate import InProcess
 from worker.engine.problem.problem import Problem
 from worker.engine.stages.found import stages
@@ -78,7 +78,7 @@ def _executed(
     reaches.check(campaign, problem)
     if wrong := [one for stage in stages().values() for one in stage.wrong(problem)]:
         raise CampaignUnusable(wrong)
-    records = store.plan([StagePlan(*planned) for planned in plan(campaign)])
+    records = store.plan(plan(campaign))
     begin(store, problem.system, campaign, records)
     evaluate = InProcess(problem, threads)
     planned = [record.plan for record in records]
@@ -108,7 +108,7 @@ def assist(campaign: Campaign, store: Store, cancelled: Callable[[], bool] = lam
         pulse.own.allow(pulse.longest(problem.system))
         optional.warm(problem.system)
         store = cast(Store, file_check.Checked(store, problem))
-        records = store.plan([StagePlan(*planned) for planned in plan(campaign)])
+        records = store.plan(plan(campaign))
         store.record_versions(versions(campaign, problem.system), identity.code(campaign))
         planned = [record.plan for record in records]
         context = Context(campaign, problem, evaluate, store, cancelled, plan=planned, methods=methods())

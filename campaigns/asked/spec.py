@@ -38,7 +38,7 @@ from campaigns.asked.values import (
     Values,
 )
 from campaigns.documented import UNLESS_EMPTY, UNSTATED, no_default
-from campaigns.documents import JsonObject, canonical, digest_of
+from campaigns.documents import JsonObject, digest_of
 
 __all__ = [
     "MAX_EVALUATIONS",
@@ -271,10 +271,6 @@ class Campaign(Strict):
     def digest(self) -> str:
         """SHA-256 over the canonical JSON form, 64 hexadecimal digits."""
         return digest_of(self.document())
-
-    def canonical(self) -> str:
-        """The JSON form with sorted keys, every default written out."""
-        return canonical(self.document())
 
     @property
     def seedless(self) -> str:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import itertools
 from collections import defaultdict
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from fractions import Fraction
 from typing import Any
 
@@ -60,11 +60,6 @@ def dyadic(p: Mapping[Monomial, float], bits: int) -> Polynomial:
     return {m: Fraction(round(float(c) * 2**bits), 2**bits) for m, c in p.items()}
 
 
-def exactly(p: Mapping[Monomial, float]) -> Polynomial:
-    """Coefficients as the fractions that they are."""
-    return {m: Fraction(c) for m, c in p.items() if c != 0}
-
-
 def substituted(p: Polynomial, rows: Sequence[Polynomial]) -> Polynomial:
     """p with a polynomial in place of each variable."""
     n, terms = len(next(iter(rows[0]))), []
@@ -75,15 +70,3 @@ def substituted(p: Polynomial, rows: Sequence[Polynomial]) -> Polynomial:
                 term = times(term, row)
         terms.append((1, term))
     return added(*terms)
-
-
-def values(p: Polynomial, points: Iterable[Any]) -> Any:
-    """p at columns of coordinates."""
-    xs = list(points)
-    total: Any = 0.0
-    for m, c in p.items():
-        term: Any = float(c)
-        for x, power in zip(xs, m, strict=True):
-            term = term * x**power
-        total = total + term
-    return total

@@ -16,9 +16,8 @@ import numpy as np
 
 from campaigns.certificates import exact
 from campaigns.certificates.coordinates import transformed
-from campaigns.certificates.polynomials import exactly
 from campaigns.certificates.rays import directions, radii, volume
-from tests.bench.attraction.truth import VAN_DER_POL, area_of_limit_cycle
+from tests.bench.attraction.truth import VAN_DER_POL, area_of_limit_cycle, exactly
 from worker.engine.attraction import region
 
 RAYS = 2_000

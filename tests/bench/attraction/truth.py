@@ -2,13 +2,34 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Mapping
+from fractions import Fraction
+from typing import Any
+
 import numpy as np
 from scipy.integrate import solve_ivp
 
-from campaigns.certificates.polynomials import Polynomial, values
+from campaigns.certificates.polynomials import Monomial, Polynomial
 
 VAN_DER_POL: list[Polynomial] = [{(0, 1): -1.0}, {(1, 0): 1.0, (2, 1): 1.0, (0, 1): -1.0}]
 """x' = -y, y' = x + (x^2 - 1) y."""
+
+
+def exactly(p: Mapping[Monomial, float]) -> Polynomial:
+    """Coefficients as the fractions that they are."""
+    return {m: Fraction(c) for m, c in p.items() if c != 0}
+
+
+def values(p: Polynomial, points: Iterable[Any]) -> Any:
+    """p at columns of coordinates."""
+    xs = list(points)
+    total: Any = 0.0
+    for m, c in p.items():
+        term: Any = float(c)
+        for x, power in zip(xs, m, strict=True):
+            term = term * x**power
+        total = total + term
+    return total
 
 
 def area_of_limit_cycle(field: list[Polynomial], start: tuple[float, float]) -> float:

@@ -14,6 +14,7 @@ import yaml
 from campaigns import Campaign, library, load_file, load_text
 from campaigns.asked.load import load_document
 from campaigns.asked.text import to_yaml
+from campaigns.documents import canonical
 from tests.given.case_campaigns import CASE1, campaign, document, nested, searching
 
 
@@ -39,7 +40,7 @@ def test_the_form_of_the_file_means_nothing() -> None:
     assert load_text(json.dumps(CASE1)).digest == digest
     assert load_text(yaml.safe_dump(CASE1)).digest == digest
     assert load_text(to_yaml(campaign())).digest == digest
-    assert load_text(campaign().canonical()).digest == digest
+    assert load_text(canonical(campaign().document())).digest == digest
     changed = document()
     for obstacle in changed["scenario"]["obstacles"]:
         obstacle["parameters"] = nested(obstacle["parameters"])

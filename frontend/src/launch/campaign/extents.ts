@@ -1,5 +1,5 @@
 // Extents of obstacles, and their consequence for a criterion that measures to centres: a case could be clear with the
-// vehicle inside an obstacle. The rule is that of the service (campaigns/asked/extents.py).
+// vehicle inside an obstacle. The rule is that of the service (campaigns/checked/extents.py).
 import type { Campaign, Part } from '../../api/campaign'
 import type { Catalogue } from '../../client'
 import { boundsOf, criterionOf, numberOf, parametersOf } from './parameters'

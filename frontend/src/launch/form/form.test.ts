@@ -6,7 +6,7 @@ import type { Catalogue } from '../../client'
 import { parse, field as shown } from '../../format/numbers'
 import { listOf, listText } from '../fields/NumberCell'
 import { parametersOf, sectionsOf } from '../campaign/parameters'
-import { python, shipped, type ShippedCampaigns } from '../campaign/repository'
+import { python, shipped, type ShippedCampaigns } from '../../../tests/repository'
 import { settingOf, settled, SIMULATION, STAGES, VERDICT } from '../campaign/settings'
 import { amended, changesOf, formOf } from '../text'
 

@@ -3,7 +3,7 @@ import { beforeAll, expect, it } from 'vitest'
 import type { Campaign } from '../../api/campaign'
 import type { Catalogue } from '../../client'
 import { axesOf, planOf } from './plan'
-import { python, shipped } from '../campaign/repository'
+import { python, shipped } from '../../../tests/repository'
 import { at, courseOf, liftOf } from './ways'
 
 const TIMES = [0, 1, 2.5, 4]

@@ -13,9 +13,9 @@ from campaigns import library, load_file
 from campaigns.asked.load import load_document
 from campaigns.certificates import exact
 from campaigns.certificates.coordinates import transformed
-from campaigns.certificates.polynomials import Polynomial, exactly, of_gram
+from campaigns.certificates.polynomials import Polynomial, of_gram
 from campaigns.certificates.rays import contradicting, directions, drawn, fraction, radii, volume
-from tests.bench.attraction.truth import VAN_DER_POL, area_of_limit_cycle
+from tests.bench.attraction.truth import VAN_DER_POL, area_of_limit_cycle, exactly
 from worker.engine.attraction import region
 from worker.engine.attraction.rounding import projected
 from worker.engine.attraction.simulated import Simulation, difference, measured

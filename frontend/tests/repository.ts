@@ -1,10 +1,10 @@
 // For tests: the repository's Python code reads, checks and writes the campaigns with which the pages are compared.
 import { execFileSync } from 'node:child_process'
 import { fileURLToPath } from 'node:url'
-import type { Campaign } from '../../api/campaign'
-import type { Catalogue } from '../../client'
+import type { Campaign } from '../src/api/campaign'
+import type { Catalogue } from '../src/client'
 
-const ROOT = fileURLToPath(new URL('../../../..', import.meta.url))
+const ROOT = fileURLToPath(new URL('../..', import.meta.url))
 
 function output(program: string, input = ''): string {
   const options = { cwd: ROOT, input, encoding: 'utf-8', maxBuffer: 1e8, stdio: 'pipe' } as const

@@ -14,6 +14,9 @@ const SHARED = /^(?!.*(src.api.ahead|src.format.root|preload-helper|src.launch.t
 /** What both the start and the pages need, in one file: each costs the browser and the service some milliseconds. */
 const START = /src.format.root|preload-helper/
 
+/** What opens over a page, loaded when something first does. */
+const MANTINE = /node_modules.(@mantine.core.esm|@floating-ui|react-remove-scroll|react-style-singleton|react-number-format)|src.overlay.(parts|fields|Themed|theme)/
+
 /** Names in the page itself the code of every page: a browser asks for it without reading any other code first. */
 const atOnce: Plugin = {
   name: 'at-once',
@@ -59,6 +62,7 @@ export default defineConfig({
           includeDependenciesRecursively: false,
           groups: [
             { name: 'start', test: START, priority: 2 },
+            { name: 'mantine', test: MANTINE, priority: 1 },
             { name: 'charts', test: /node_modules.uplot|src.charts.(?!ticks)/, priority: 1 },
             { name: 'shared', test: SHARED, minShareCount: 2 },
           ],
@@ -74,6 +78,7 @@ export default defineConfig({
   test: {
     environment: 'node',
     include: ['src/**/*.test.{ts,tsx}'],
+    setupFiles: ['tests/browser.ts'],
     // Modules are loaded once for all files, in half the processor time: a test that stubs a global puts it back.
     pool: 'threads',
     isolate: false,

@@ -1,5 +1,5 @@
 // The keyboard shortcuts of all pages, shown by `?`.
-import { Modal } from '../ui/Modal'
+import { Modal } from '../overlay/Modal'
 import { buttons, layout } from '../ui/styles'
 import styles from './app.module.css'
 

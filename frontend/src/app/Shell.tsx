@@ -1,5 +1,4 @@
 // The frame around every page: header, theme, session; the sign-in page if the service requires it.
-import { Menu } from '@mantine/core'
 import {
   IconApi,
   IconBell,
@@ -27,9 +26,10 @@ import { left, signedOut, useSession } from '../api/session'
 import { toggleTheme, useTheme } from '../theme/useTheme'
 import { keepTyped, typedEarly } from '../jump/early'
 import { later, Part } from '../page/later'
+import { MenuDivider, MenuDropdown, MenuItem, MenuLabel } from '../overlay/later'
 import { IconButton } from '../ui/IconButton'
-import { Modal } from '../ui/Modal'
-import { Popup } from '../ui/Popup'
+import { Modal } from '../overlay/Modal'
+import { Popup } from '../overlay/Popup'
 import { useHotkeys } from '../ui/useHotkeys'
 import { Brand } from './Brand'
 import { Contact } from './Contact'
@@ -154,41 +154,41 @@ function Session() {
       width={220}
       button={{ className: clsx('b sec', styles.ava), 'aria-label': `Session of ${data.user}, ${initials}`, children: initials }}
     >
-      <Menu.Dropdown>
-        <Menu.Label>
+      <MenuDropdown>
+        <MenuLabel>
           Signed in as {data.user} by {{ link: 'login link', password: 'password', provider: 'single sign-on', token: 'token' }[data.via]}, role {data.role}
-        </Menu.Label>
+        </MenuLabel>
         <NotifyMine />
-        <Menu.Item leftSection={<IconApi className="i s" />} component={Link} to="/docs">
+        <MenuItem leftSection={<IconApi className="i s" />} component={Link} to="/docs">
           API
-        </Menu.Item>
-        <Menu.Divider />
+        </MenuItem>
+        <MenuDivider />
         {admin && (
           <>
-            <Menu.Item leftSection={<IconUserPlus className="i s" />} onClick={() => void navigate({ to: '/access/users', search: { invite: true } })}>
+            <MenuItem leftSection={<IconUserPlus className="i s" />} onClick={() => void navigate({ to: '/access/users', search: { invite: true } })}>
               Invite
-            </Menu.Item>
-            <Menu.Item leftSection={<IconUsers className="i s" />} component={Link} to="/access/users">
+            </MenuItem>
+            <MenuItem leftSection={<IconUsers className="i s" />} component={Link} to="/access/users">
               Users
-            </Menu.Item>
+            </MenuItem>
           </>
         )}
-        <Menu.Item leftSection={<IconKey className="i s" />} component={Link} to="/access/tokens">
+        <MenuItem leftSection={<IconKey className="i s" />} component={Link} to="/access/tokens">
           API tokens
-        </Menu.Item>
-        <Menu.Item leftSection={<IconDeviceLaptop className="i s" />} component={Link} to="/access/sessions">
+        </MenuItem>
+        <MenuItem leftSection={<IconDeviceLaptop className="i s" />} component={Link} to="/access/sessions">
           Sessions
-        </Menu.Item>
+        </MenuItem>
         {reviewer && (
-          <Menu.Item leftSection={<IconHistory className="i s" />} component={Link} to="/access/audit">
+          <MenuItem leftSection={<IconHistory className="i s" />} component={Link} to="/access/audit">
             Audit trail
-          </Menu.Item>
+          </MenuItem>
         )}
-        <Menu.Divider />
-        <Menu.Item leftSection={<IconLogout className="i s" />} onClick={leave}>
+        <MenuDivider />
+        <MenuItem leftSection={<IconLogout className="i s" />} onClick={leave}>
           Sign out
-        </Menu.Item>
-      </Menu.Dropdown>
+        </MenuItem>
+      </MenuDropdown>
     </Popup>
   )
 }
@@ -198,13 +198,13 @@ function NotifyMine() {
   const [why, press] = useToggle(toggleMine)
   const Icon = mine ? IconBellFilled : IconBell
   return (
-    <Menu.Item
+    <MenuItem
       leftSection={<Icon className="i s" />}
       closeMenuOnClick={false}
       aria-pressed={mine}
       onClick={press}
     >
       {why || (mine ? 'Notifies when my runs end' : 'Notify when my runs end')}
-    </Menu.Item>
+    </MenuItem>
   )
 }

@@ -1,5 +1,4 @@
 // In the header of every page: how many workers are alive; on request each with its host, run and stage.
-import { Popover } from '@mantine/core'
 import { IconAlertTriangle, IconCpu, IconLoader, IconMoon, IconPlayerPlay } from '@tabler/icons-react'
 import { useQuery } from '@tanstack/react-query'
 import { clsx } from 'clsx'
@@ -9,8 +8,9 @@ import { workersQuery } from '../api/queries'
 import type { Space, WorkerOut, Workers as Known } from '../client'
 import { count, fixed, thinned } from '../format/numbers'
 import { age, moment } from '../format/time'
+import { PopoverDropdown } from '../overlay/later'
 import { methodLook } from '../ui/methods'
-import { Popup } from '../ui/Popup'
+import { Popup } from '../overlay/Popup'
 import { RunLink } from '../ui/RunLink'
 import { useNow } from '../ui/useNow'
 import { usePolling } from '../ui/usePolling'
@@ -55,9 +55,9 @@ export function Workers() {
         ),
       }}
     >
-      <Popover.Dropdown aria-label="Workers">
+      <PopoverDropdown aria-label="Workers">
         <Listed data={data} ahead={dataUpdatedAt / 1000 - data.now} onLeave={() => setOpened(false)} />
-      </Popover.Dropdown>
+      </PopoverDropdown>
     </Popup>
   )
 }

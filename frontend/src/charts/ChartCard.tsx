@@ -1,12 +1,12 @@
 // A card around a chart: legend in the heading, the numbers as a table or a CSV file one click away.
 import { clsx } from 'clsx'
-import { Menu } from '@mantine/core'
 import { IconDownload, IconPhoto, IconTable } from '@tabler/icons-react'
 import { type MouseEvent, type ReactNode, useState } from 'react'
 import { plain } from '../format/numbers'
+import { MenuDropdown, MenuItem } from '../overlay/later'
 import { Card } from '../ui/Card'
 import { IconButton } from '../ui/IconButton'
-import { Popup } from '../ui/Popup'
+import { Popup } from '../overlay/Popup'
 import { save } from '../ui/files'
 import { Table } from '../ui/Table'
 import { type DataTable, toCsv, type Value } from './csv'
@@ -71,10 +71,10 @@ function FigureButton({ name }: { name: () => string }) {
         children: <IconPhoto className="i s" aria-hidden />,
       }}
     >
-      <Menu.Dropdown>
-        <Menu.Item onClick={() => card && void savePng(card, name())}>PNG image</Menu.Item>
-        {card && isDrawing(card) && <Menu.Item onClick={() => saveSvg(card, name())}>SVG drawing</Menu.Item>}
-      </Menu.Dropdown>
+      <MenuDropdown>
+        <MenuItem onClick={() => card && void savePng(card, name())}>PNG image</MenuItem>
+        {card && isDrawing(card) && <MenuItem onClick={() => saveSvg(card, name())}>SVG drawing</MenuItem>}
+      </MenuDropdown>
     </Popup>
   )
 }

@@ -1,5 +1,5 @@
 // The compared runs with their letters; removes and adds runs.
-import { Select } from '@mantine/core'
+import { Select } from '../overlay/fields'
 import { IconPlus, IconX } from '@tabler/icons-react'
 import { useQuery } from '@tanstack/react-query'
 import { Link } from '@tanstack/react-router'

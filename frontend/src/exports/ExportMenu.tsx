@@ -1,13 +1,13 @@
 // The Export menu of a run's page: all export files, saved by the browser as they stream.
-import { Menu } from '@mantine/core'
 import { IconBraces, IconDownload, IconFileText, IconFileTypePdf, IconMatrix, IconPackage, IconPlane, IconTable } from '@tabler/icons-react'
 import { queryOptions, useMutation, useQuery } from '@tanstack/react-query'
 import { useState } from 'react'
 import { getExports, getFile } from '../api/calls'
 import { asCampaign, caseWord } from '../api/campaign'
 import type { ExportFile, RunDetail } from '../client'
+import { MenuDivider, MenuDropdown, MenuItem, MenuLabel } from '../overlay/later'
 import { ButtonAnchor, worded } from '../ui/Button'
-import { Popup } from '../ui/Popup'
+import { Popup } from '../overlay/Popup'
 import { save } from '../ui/files'
 import { RecordingEntries } from './Recording'
 import { at } from '../format/root'
@@ -42,20 +42,20 @@ export function ExportMenu({ run }: { run: RunDetail }) {
         width={340}
         button={worded(IconDownload, 'Export')}
       >
-        <Menu.Dropdown className={styles.files}>
-          <Menu.Label>Files of {run.id}</Menu.Label>
+        <MenuDropdown className={styles.files}>
+          <MenuLabel>Files of {run.id}</MenuLabel>
           {pdf && <PdfEntry file={pdf} />}
           {files?.map((file) => (
             <Entry key={file.href} file={file} />
           ))}
-          {recording && <Menu.Label>{one === 'flight' ? 'Flight' : 'Case'} in 3D</Menu.Label>}
+          {recording && <MenuLabel>{one === 'flight' ? 'Flight' : 'Case'} in 3D</MenuLabel>}
           {recording && <RecordingEntries run={run.id} flight={RECORDING.exec(recording.href)?.[1] ?? 'nominal'} one={one} />}
-          {!data && <Menu.Item disabled>{error ? error.message : 'Loading the list of files …'}</Menu.Item>}
-          <Menu.Divider />
+          {!data && <MenuItem disabled>{error ? error.message : 'Loading the list of files …'}</MenuItem>}
+          <MenuDivider />
           <p className="small mut" style={{ padding: '4px 12px 8px' }}>
             Figures: the picture button of each chart saves it as PNG or SVG.
           </p>
-        </Menu.Dropdown>
+        </MenuDropdown>
       </Popup>
     </>
   )
@@ -69,14 +69,14 @@ function PdfEntry({ file }: { file: ExportFile }) {
   })
   const words = print.isPending ? 'Printing, a few seconds …' : (file.unavailable ?? file.text)
   return (
-    <Menu.Item
+    <MenuItem
       closeMenuOnClick={false}
       disabled={file.unavailable !== null || print.isPending}
       onClick={() => print.mutate()}
       leftSection={<IconFileTypePdf className="i s" aria-hidden />}
     >
       <EntryLines title={file.title} live>{print.isError ? <span className="bad-t">{print.error.message}</span> : words}</EntryLines>
-    </Menu.Item>
+    </MenuItem>
   )
 }
 
@@ -92,7 +92,7 @@ const ICONS: Record<string, typeof IconTable> = {
 function Entry({ file }: { file: ExportFile }) {
   const Icon = ICONS[file.media_type] ?? IconFileText
   return (
-    <Menu.Item
+    <MenuItem
       component="a"
       href={file.unavailable ? undefined : file.href}
       download={file.media_type === 'text/html' ? undefined : file.name}
@@ -101,6 +101,6 @@ function Entry({ file }: { file: ExportFile }) {
       leftSection={<Icon className="i s" aria-hidden />}
     >
       <EntryLines title={file.title}>{file.unavailable ?? file.text}</EntryLines>
-    </Menu.Item>
+    </MenuItem>
   )
 }

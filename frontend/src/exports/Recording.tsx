@@ -1,9 +1,9 @@
 // A flight as a recording: a link to the page that plays it, and a download. Neither needs a simulation.
-import { Menu } from '@mantine/core'
 import { IconCheck, IconCopy, IconDownload, IconPackage, IconPlayerPlay } from '@tabler/icons-react'
 import { type Theme, useTheme } from '../theme/useTheme'
+import { MenuDropdown, MenuItem } from '../overlay/later'
 import { worded } from '../ui/Button'
-import { Popup } from '../ui/Popup'
+import { Popup } from '../overlay/Popup'
 import { at } from '../format/root'
 import { EntryLines } from '../ui/EntryLines'
 import { byHand, useCopy } from '../ui/files'
@@ -30,10 +30,10 @@ export function RecordingMenu(props: Props) {
       width={300}
       button={worded(IconPlayerPlay, 'Recording', true)}
     >
-      <Menu.Dropdown>
+      <MenuDropdown>
         <RecordingEntries {...props} />
         {props.flight !== 'nominal' && <CapsuleEntry {...props} />}
-      </Menu.Dropdown>
+      </MenuDropdown>
     </Popup>
   )
 }
@@ -45,9 +45,9 @@ export function RecordingEntries({ run, flight, one }: Props) {
   return (
     <>
       <CopyLink address={page} />
-      <Menu.Item component="a" href={file} download leftSection={<IconDownload className="i s" aria-hidden />}>
+      <MenuItem component="a" href={file} download leftSection={<IconDownload className="i s" aria-hidden />}>
         <EntryLines title="Download as one file">{called[0]?.toUpperCase() + called.slice(1)} in 3D with a play bar; works offline</EntryLines>
-      </Menu.Item>
+      </MenuItem>
     </>
   )
 }
@@ -55,14 +55,14 @@ export function RecordingEntries({ run, flight, one }: Props) {
 /** What evaluates the finding again elsewhere. */
 function CapsuleEntry({ run, flight }: Props) {
   return (
-    <Menu.Item
+    <MenuItem
       component="a"
       href={at(`/api/v1/runs/${run}/exports/capsule-${flight}.zip`)}
       download
       leftSection={<IconPackage className="i s" aria-hidden />}
     >
       <EntryLines title={`Capsule of ${flight}`}>Evaluated again with clearance replay FILE, without a service</EntryLines>
-    </Menu.Item>
+    </MenuItem>
   )
 }
 
@@ -74,7 +74,7 @@ function CopyLink({ address }: { address: string }) {
   const link = new URL(address, location.origin).href
   const { outcome, copy } = useCopy(SHOWN)
   return (
-    <Menu.Item
+    <MenuItem
       closeMenuOnClick={false}
       onClick={() => void copy(link)}
       leftSection={outcome === 'copied' ? <IconCheck className="i s" aria-hidden /> : <IconCopy className="i s" aria-hidden />}
@@ -82,6 +82,6 @@ function CopyLink({ address }: { address: string }) {
       <EntryLines title="Copy link to the recording" live>
         {outcome === 'copied' ? 'Copied' : outcome ? byHand(link) : 'Requires a login; plays without a simulation'}
       </EntryLines>
-    </Menu.Item>
+    </MenuItem>
   )
 }

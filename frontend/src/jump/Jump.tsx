@@ -11,6 +11,7 @@ import { catalogueQuery, libraryQuery } from '../api/queries'
 import type { RunSummary } from '../client'
 import type { OpenApi } from '../docs/openapi'
 import { OutcomeIcon, lookOf, outcomeOf, wordOf } from '../ui/VerdictBadge'
+import { Themed } from '../overlay/Themed'
 import { typedEarly } from './early'
 import { operationsIn, passagesWith, sectionsIn } from './passages'
 import { kept, matching, type Place, placesOf } from './places'
@@ -24,12 +25,14 @@ const REST = 150
 
 export function Jump({ opened, onClose }: { opened: boolean; onClose: () => void }) {
   return (
-    <Modal.Root opened={opened} onClose={onClose} padding={0} size={560} yOffset="12vh" lockScroll={false}>
-      <Modal.Overlay />
-      <Modal.Content aria-label="Search or jump to">
-        <Search onDone={onClose} />
-      </Modal.Content>
-    </Modal.Root>
+    <Themed>
+      <Modal.Root opened={opened} onClose={onClose} padding={0} size={560} yOffset="12vh" lockScroll={false}>
+        <Modal.Overlay />
+        <Modal.Content aria-label="Search or jump to">
+          <Search onDone={onClose} />
+        </Modal.Content>
+      </Modal.Root>
+    </Themed>
   )
 }
 

@@ -1,5 +1,5 @@
 // The side panel: name, tags and criterion of the run, and its estimated effort.
-import { TagsInput } from '@mantine/core'
+import { TagsInput } from '../overlay/fields'
 import { IconAlertTriangle } from '@tabler/icons-react'
 import { clsx } from 'clsx'
 import { Fragment } from 'react'

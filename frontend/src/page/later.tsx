@@ -1,6 +1,6 @@
 // Code that is loaded when it is first shown. Where it cannot be loaded only its own place says so, and loads it again on
 // request and once the service answers: the rest of the page, and what was typed there, stay.
-import { Component, type ComponentType, createElement, type FunctionComponent, type JSXElementConstructor, type ReactNode, Suspense, use, useEffect, useRef, useState } from 'react'
+import { Component, type ComponentType, createElement, type FunctionComponent, type ReactNode, Suspense, use, useEffect, useRef, useState } from 'react'
 import { pulse, useContact } from '../api/pulse'
 import { Card } from '../ui/Card'
 import { PageHead } from './PageHead'
@@ -22,22 +22,32 @@ interface Ahead {
   preload: () => Promise<void>
 }
 
-type Later<C> = FunctionComponent<C extends JSXElementConstructor<infer P> ? P : never> & Ahead
+/** Code by how it is loaded: components of one file come together. */
+const known = new WeakMap<() => Promise<unknown>, Code<unknown>>()
 
-/** A component whose code comes later; within `Part`. Unlike that of React.lazy, its failure does not last for ever. */
-export function later<M, K extends keyof M>(load: () => Promise<M>, name: K): Later<M[K]> {
-  let come: ComponentType<object> | undefined
-  let coming: Promise<ComponentType<object>> | undefined
-  const ask = () =>
-    (coming ??= load().then(
-      (module) => (come = module[name] as ComponentType<object>),
+class Code<M> {
+  come: M | undefined
+  coming: Promise<M> | undefined
+
+  constructor(readonly load: () => Promise<M>) {}
+
+  ask(): Promise<M> {
+    return (this.coming ??= this.load().then(
+      (module) => (this.come = module),
       (error: unknown) => {
-        throw new Missed(error, () => (coming = undefined))
+        throw new Missed(error, () => (this.coming = undefined))
       },
     ))
-  const Later = (props: object) => createElement(come ?? use(ask()), props)
-  Later.preload = () => ask().then(() => undefined, (missed: Missed) => missed.forget())
-  return Later as Later<M[K]>
+  }
+}
+
+/** A component whose code comes later; within `Part`. Unlike that of React.lazy, its failure does not last for ever. */
+export function later<M, K extends keyof M>(load: () => Promise<M>, name: K): M[K] & Ahead {
+  const code = (known.get(load) ?? new Code(load)) as Code<M>
+  known.set(load, code)
+  const Later = (props: object) => createElement((code.come ?? use(code.ask()))[name] as ComponentType<object>, props)
+  Later.preload = () => code.ask().then(() => undefined, (missed: Missed) => missed.forget())
+  return Later as unknown as M[K] & Ahead
 }
 
 /** A page of the router whose code comes later. */

@@ -1,4 +1,7 @@
 // The title of the browser's tab.
-import { useDocumentTitle } from '@mantine/hooks'
+import { useLayoutEffect } from 'react'
 
-export const useTitle = (title: string): void => useDocumentTitle(`${title} · Clearance`)
+export const useTitle = (title: string): void =>
+  useLayoutEffect(() => {
+    document.title = `${title} · Clearance`
+  }, [title])

@@ -1,5 +1,4 @@
 // Requirements and the runs that are evidence for them: a group of rows for each requirement, a row for each run.
-import { Menu } from '@mantine/core'
 import { IconDownload, IconPlus, IconUpload } from '@tabler/icons-react'
 import { useInfiniteQuery, useQuery } from '@tanstack/react-query'
 import { Link, useNavigate, useSearch } from '@tanstack/react-router'
@@ -12,12 +11,13 @@ import { count } from '../format/numbers'
 import { PageHead } from '../page/PageHead'
 import { Loaded } from '../page/Trouble'
 import { useTitle } from '../page/useTitle'
+import { MenuDropdown, MenuItem } from '../overlay/later'
 import { Button, TextButton, worded } from '../ui/Button'
 import { ShowMore } from '../ui/ShowMore'
 import { Card } from '../ui/Card'
 import { SearchBox } from '../ui/SearchBox'
-import { Modal } from '../ui/Modal'
-import { Popup } from '../ui/Popup'
+import { Modal } from '../overlay/Modal'
+import { Popup } from '../overlay/Popup'
 import { usePolling } from '../ui/usePolling'
 import { Files } from './Files'
 import { ImportForm } from './ImportForm'
@@ -132,13 +132,13 @@ function ExportFiles({ disabled }: { disabled: boolean }) {
       width={320}
       button={{ ...worded(IconDownload, 'Export'), disabled }}
     >
-      <Menu.Dropdown>
+      <MenuDropdown>
         {EXPORTS.map(({ href, title, text }) => (
-          <Menu.Item key={href} component="a" href={href} download>
+          <MenuItem key={href} component="a" href={href} download>
             <EntryLines title={title}>{text}</EntryLines>
-          </Menu.Item>
+          </MenuItem>
         ))}
-      </Menu.Dropdown>
+      </MenuDropdown>
     </Popup>
   )
 }

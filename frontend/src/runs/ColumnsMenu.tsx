@@ -2,7 +2,7 @@
 import { IconAdjustmentsHorizontal } from '@tabler/icons-react'
 import { type Column, COLUMNS, columnsOf } from './columns'
 import { Button } from '../ui/Button'
-import { Menu, Pick, Picks } from '../ui/Menu'
+import { Menu, Pick, Picks } from '../overlay/Menu'
 
 interface ColumnsMenuProps {
   cols: string[] | undefined

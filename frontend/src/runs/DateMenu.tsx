@@ -1,7 +1,7 @@
 // When a run was submitted: today, in the last days, or between two days.
 import { DAYS, type Days, type RunsSearch } from './search'
 import { Field } from '../ui/Form'
-import { Menu } from '../ui/Menu'
+import { Menu } from '../overlay/Menu'
 import { fields } from '../ui/styles'
 import styles from './runs.module.css'
 

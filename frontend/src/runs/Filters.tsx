@@ -9,7 +9,7 @@ import { SearchBox } from '../ui/SearchBox'
 import { lookOf, OutcomeIcon } from '../ui/VerdictBadge'
 import { ColumnsMenu } from './ColumnsMenu'
 import { DateMenu } from './DateMenu'
-import { FilterMenu } from '../ui/FilterMenu'
+import { FilterMenu } from '../overlay/FilterMenu'
 import { CLEARED, isNarrowed, type RunsSearch, SHOWS, type Show } from './search'
 import { layout } from '../ui/styles'
 

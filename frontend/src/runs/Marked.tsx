@@ -14,7 +14,7 @@ import { plural, RemoveMarked, RunNames } from '../run/header/Removal'
 import { Button, ButtonLink } from '../ui/Button'
 import { Form } from '../ui/Form'
 import { IconButton } from '../ui/IconButton'
-import { Modal } from '../ui/Modal'
+import { Modal } from '../overlay/Modal'
 import { fields } from '../ui/styles'
 
 interface MarkedProps {

@@ -3,7 +3,7 @@ import { useMutation } from '@tanstack/react-query'
 import { useBlocker } from '@tanstack/react-router'
 import { Button } from '../../ui/Button'
 import { Form } from '../../ui/Form'
-import { Modal } from '../../ui/Modal'
+import { Modal } from '../../overlay/Modal'
 
 interface Place {
   pathname: string

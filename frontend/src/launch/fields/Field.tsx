@@ -1,7 +1,8 @@
 // Labelled fields of a campaign, and the button that removes an entry of a list: each with its problems next to it.
-import { Select, type SelectProps } from '@mantine/core'
+import type { SelectProps } from '@mantine/core'
 import { IconTrash } from '@tabler/icons-react'
 import type { ReactNode } from 'react'
+import { Select } from '../../overlay/fields'
 import { IconButton } from '../../ui/IconButton'
 import { NumberCell, type NumberCellProps } from './NumberCell'
 import { FieldErrors, idOf } from './problems'

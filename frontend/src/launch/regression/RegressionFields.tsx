@@ -1,5 +1,5 @@
 // Labels of the run, and the run with which it is compared.
-import { TagsInput } from '@mantine/core'
+import { TagsInput } from '../../overlay/fields'
 import { useQuery } from '@tanstack/react-query'
 import { clsx } from 'clsx'
 import { IconAlertCircle } from '@tabler/icons-react'

@@ -10,7 +10,7 @@ import type { RunDetail, RunSummary } from '../../client'
 import { count } from '../../format/numbers'
 import { Button } from '../../ui/Button'
 import { Field, Form } from '../../ui/Form'
-import { Modal } from '../../ui/Modal'
+import { Modal } from '../../overlay/Modal'
 import { fields, lists } from '../../ui/styles'
 
 export const plural = (n: number): string => `${count(n)} ${n === 1 ? 'run' : 'runs'}`

@@ -1,5 +1,5 @@
 // Notes, name and tags that are not saved yet: they are kept, and saved over what was read.
-import { TagsInput } from '@mantine/core'
+import { TagsInput } from '../../overlay/later'
 import { afterEach, beforeEach, expect, it } from 'vitest'
 import { run } from '../../../tests/fixtures'
 import { all, asked, begin, type Call, call, end, leaves, nothing, of, one, open, patches, press, send, sent, service, text, until, write } from '../../../tests/looked'

@@ -3,9 +3,9 @@ import { clsx } from 'clsx'
 import { type ReactNode, useState } from 'react'
 import type { Facet } from '../client'
 import { count } from '../format/numbers'
-import { Button } from './Button'
+import { Button } from '../ui/Button'
 import { Menu, Pick, Picks } from './Menu'
-import { fields, layout } from './styles'
+import { fields, layout } from '../ui/styles'
 
 interface FilterMenuProps {
   name: string

@@ -1,10 +1,10 @@
 // A button with a panel of choices below it.
 import { clsx } from 'clsx'
-import { Popover } from '@mantine/core'
 import { IconChevronDown } from '@tabler/icons-react'
 import type { ReactNode } from 'react'
+import { PopoverDropdown } from './later'
 import { Popup } from './Popup'
-import { buttons, fields, layout } from './styles'
+import { buttons, fields, layout } from '../ui/styles'
 
 interface MenuProps {
   name: string
@@ -37,9 +37,9 @@ export function Menu({ name, value, on, icon, above, children }: MenuProps) {
         ),
       }}
     >
-      <Popover.Dropdown aria-label={name}>
+      <PopoverDropdown aria-label={name}>
         <div className={fields.panel}>{children}</div>
-      </Popover.Dropdown>
+      </PopoverDropdown>
     </Popup>
   )
 }

@@ -262,16 +262,16 @@ RULES = (
     Rule(
         CheckCode.NOISE,
         "Noise realisations",
-        "With noise, an independent sample draws a realisation for every evaluation, none is a mean over several, and no "
-        "parameter that is a seed is fixed, but those that realisations vary.",
+        "With noise, an independent sample draws a realisation for every evaluation, none is a mean over several, and "
+        "no parameter that is a seed is fixed, but those that realisations vary.",
         ("certify",),
         RemedyKind.REALISATIONS,
     ),
     Rule(
         CheckCode.EXCLUSIONS,
         "Excluded starts",
-        f"At most {percent(EXCLUDED)} of the draws of the sample, of the evaluations of each search, and of all evaluations, "
-        "were excluded.",
+        f"At most {percent(EXCLUDED)} of the draws of the sample, of the evaluations of each search, and of all "
+        "evaluations, were excluded.",
     ),
     Rule(
         CheckCode.SAMPLE,

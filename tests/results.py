@@ -6,13 +6,14 @@ from typing import Any
 
 from campaigns.claims import earlier
 from campaigns.claims.spans import Spans
+from campaigns.claims.wording import WORDING
 from campaigns.results import Finding, SearchResult, TraceHead, ValidateResult, Verdict
 from campaigns.results.base import Stop, Values
 from campaigns.results.finding import FoundBy, HalfStep, ReferenceCost, Validation
 from campaigns.results.sample import Sample
 from campaigns.results.search import Best
 from campaigns.results.trace import TraceColumn
-from campaigns.results.verdict import NominalCost, VerdictWord, Worst
+from campaigns.results.verdict import NominalCost, Provenance, VerdictWord, Worst
 from campaigns.stages.certify import CertifyResult
 from campaigns.stages.nominal import NominalResult
 
@@ -92,7 +93,8 @@ def verdict(
     **values: Any,
 ) -> Verdict:
     """A verdict without checks."""
-    known: dict[str, Any] = {"scope": "", "checks": [], "quantity": "d_min", "unit": "m"} | values
+    today = Provenance(wording=WORDING)
+    known: dict[str, Any] = {"scope": "", "checks": [], "quantity": "d_min", "unit": "m", "provenance": today} | values
     found = None
     if worst is not None:
         found = Worst(cost=worst, margin=worst - 0.5, parameters={}, method="direct", finding="F1")

@@ -41,6 +41,7 @@ def _report(reader: sa.Connection, run: RunSummary, unavailable: str | None, sig
         state=run.state,
         verdict=run.verdict,
         not_sampled=run.not_sampled,
+        earlier_rules=run.earlier_rules,
         policy=run.policy,
         finished=run.finished,
         digest=digest,

@@ -34,6 +34,9 @@ class Report(Schema):
     verdict: VerdictWord | None
     not_sampled: bool
     """Whether nothing but an independent sample is missing to clear it."""
+    earlier_rules: bool
+    """Whether it is cleared by the rules of an earlier version, and `clearance audit` names what does not hold by those
+    of today."""
     policy: PolicyWord | None
     """What the campaign's policy says of the changes since the baseline: `holds`; `fails`, which is exit code 1
     whatever the verdict; `accepts`, a violated run whose violations were all known. None without a comparison.

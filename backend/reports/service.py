@@ -104,7 +104,7 @@ def _context(record: Record) -> dict[str, object]:
         "version": VERSION,
         "verdict": {
             "tone": tone,
-            "word": headline(word, run.not_sampled, run.policy),
+            "word": headline(word, run, run.policy),
             "icon": icon,
             "sentence": sentence,
             "error": run.error,

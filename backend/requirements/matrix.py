@@ -208,6 +208,7 @@ def _whole(edge: Edge, known: Known | None, key: str, worded: Texts) -> Edge:
     return replace(
         edge,
         not_sampled=known.outcome.not_sampled,
+        earlier_rules=known.outcome.earlier_rules,
         policy=known.outcome.policy,
         signed=bool(current),
         repeats=max(sources) if sources and edge.run_id not in sources else None,

@@ -35,7 +35,8 @@ ONLY_OWN = " only by who launched it"
 
 @dataclass(frozen=True)
 class Edge:
-    """One run of a requirement. question: see `campaigns.checked.question`; not_sampled: as its verdict has it;
+    """One run of a requirement. question: see `campaigns.checked.question`; not_sampled and earlier_rules: as
+    its outcome has them;
     signed: whether a valid sign-off covers its results; repeats: the signed run that it repeats, if it was not signed
     itself; own: whether only users who launched the signed run have signed; not_carried: why
     no earlier sign-off counts for it; changes: what has changed since it ran, as
@@ -48,6 +49,7 @@ class Edge:
     verdict: VerdictWord | None
     identity: Identity
     not_sampled: bool = False
+    earlier_rules: bool = False
     signed: bool = False
     repeats: int | None = None
     own: bool = False
@@ -89,10 +91,16 @@ def standing(edges: Sequence[Edge], others: Sequence[Edge] = (), sweeps: int = 0
     rest = f" The evidence of {better} other campaign{'s' if better > 1 else ''} is no worse."
     return Standing(
         worst,
-        " ".join(sentences) + (rest if better else "") + _policy(newest),
+        " ".join(sentences) + (rest if better else "") + _earlier(newest) + _policy(newest),
         frozenset().union(*(one.evidence for one in found)),
         frozenset().union(*(one.violations for one in found)),
     )
+
+
+def _earlier(newest: Sequence[Edge]) -> str:
+    """The evidence that earlier rules cleared: the status is that of its version, and a reader must see both."""
+    earlier = [e for e in newest if e.earlier_rules]
+    return f" By the rules of an earlier version {_listed(earlier)} was cleared." if earlier else ""
 
 
 def _policy(newest: Sequence[Edge]) -> str:

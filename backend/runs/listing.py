@@ -13,7 +13,7 @@ import sqlalchemy as sa
 from backend.db import groups
 from backend.db.engine import read
 from backend.db.tables import CampaignRow, Run, Stage
-from backend.runs import counts, identity, policy, quantities, sample_kind, waiting
+from backend.runs import counts, earlier_rules, identity, policy, quantities, sample_kind, waiting
 from backend.runs.filters import Filters, unindexed
 from backend.runs.order import VALUES, Order, Sort
 from backend.runs.schemas import RunPage, RunSummary, StageProgress
@@ -33,6 +33,7 @@ _SUMMARIES = (
         *identity.COLUMNS,
         *sample_kind.COLUMNS,
         *policy.COLUMNS,
+        earlier_rules.COLUMN,
     )
     .join(CampaignRow, CampaignRow.digest == Run.campaign_digest)
     .where(Run.purged.is_(None))
@@ -91,7 +92,8 @@ def _summary(row: Any, others: dict[str, Any]) -> RunSummary:
     values = dict(zip(_PLAIN, row, strict=False)) | others
     own, code = identity.with_digest(row)
     values |= {"code": code, "unidentified": list(own.unidentified) if own else []}
-    values |= sample_kind.of(row)._asdict() | {"policy": policy.of(row)}
+    values |= sample_kind.of(row)._asdict()
+    values |= {"policy": policy.of(row), "earlier_rules": earlier_rules.of(row)}
     values |= {"id": run_name(row.id), "continues": None if row.continues is None else run_name(row.continues)}
     return RunSummary.model_validate(values)
 

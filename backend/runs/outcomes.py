@@ -12,7 +12,7 @@ import sqlalchemy as sa
 
 from backend.db.tables import CampaignRow, Run
 from backend.http.schema import Instant, Schema
-from backend.runs import identity, policy, quantities, sample_kind
+from backend.runs import earlier_rules, identity, policy, quantities, sample_kind
 from backend.runs.sample_kind import BoundSource
 from campaigns.claims.lowest_value import unconfirmed
 from campaigns.claims.spans import words
@@ -65,6 +65,9 @@ class Outcome(Schema):
     """Of the upper bound."""
     not_sampled: bool = False
     """Whether nothing but an independent sample is missing to clear it."""
+    earlier_rules: bool = False
+    """Whether it is cleared by the rules of an earlier version, and `clearance audit` names what does not hold by those
+    of today."""
     policy: PolicyWord | None = None
     """What the campaign's policy says of the changes since the baseline: `holds`; `fails`, which is exit code 1
     whatever the verdict; `accepts`, a violated run whose violations were all known. Null without a comparison."""
@@ -93,6 +96,7 @@ def outcomes(
     columns = [Run.id, Run.removed, Run.worst_cost, Run.upper_bound, *(getattr(Run, name) for name in _PLAIN)]
     columns += [expression.label(name) for name, expression in _STATISTICS.items()]
     columns += [*quantities.COLUMNS, *sample_kind.COLUMNS, *policy.COLUMNS, *identity.COLUMNS]
+    columns += [earlier_rules.COLUMN]
     columns += [Run.flown["clearance"].as_string().label("clearance")]
     columns += [CampaignRow.name.label("campaign_name"), CampaignRow.document["seed"].as_string().label("seed")]
     query = sa.select(*columns).join(CampaignRow, CampaignRow.digest == Run.campaign_digest)
@@ -119,6 +123,7 @@ def _outcome(row: Any, measured: quantities.Measured) -> Outcome:
         unidentified=[] if own is None else list(own.unidentified),
         clearance=row.clearance,
         not_sampled=sample.not_sampled,
+        earlier_rules=earlier_rules.of(row),
         policy=policy.of(row),
         unconfirmed=words(unconfirmed(row.state, row.worst_cost, row.threshold, measured.unit)),
         campaign_name=row.campaign_name,

@@ -14,7 +14,7 @@ from backend.db.engine import ask, now, read
 from backend.db.purge import violates
 from backend.db.tables import Run
 from backend.http.errors import RefusedError
-from backend.runs import identity
+from backend.runs import earlier_rules, identity
 from backend.runs.components import components
 from campaigns import Campaign
 from campaigns.identity.identity import UNSTORED, same
@@ -62,9 +62,9 @@ def reusable(reader: sa.Connection, campaign: Campaign, sample_seed: int | None 
     Its identity and its descriptions must be the installed ones, as far as workers publish them; what is not
     identified is not taken for equal. Any sample seed will do if none is stated. A run that violates comes before all
     newer ones, which missed a case that exists; one without a verdict, or with another sample than the stated, leaves
-    none to reuse.
+    none to reuse. What earlier rules cleared is not reused.
     """
-    usable = sa.and_(Run.state == RunState.DONE, Run.verdict.is_not(None))
+    usable = sa.and_(Run.state == RunState.DONE, Run.verdict.is_not(None), earlier_rules.TODAY)
     if sample_seed is not None:
         usable = sa.and_(usable, Run.sample_seed == sample_seed)
     first = sa.case((Run.verdict == VerdictWord.VIOLATED, 0), (violates(), 1), else_=2)

@@ -157,6 +157,9 @@ class RunSummary(Schema):
     verdict: VerdictWord | None
     not_sampled: bool
     """Whether nothing but an independent sample is missing to clear it."""
+    earlier_rules: bool
+    """Whether it is cleared by the rules of an earlier version, and `clearance audit` names what does not hold by those
+    of today."""
     reason: str | None
     """The verdict's sentence."""
     error: str | None
@@ -269,6 +272,8 @@ class RunDetail(RunSummary):
     unconfirmed: Spans = ()
     """Of a cancelled or failed run: the sentence on its lowest value, where that is at or below the threshold and thus
     speaks against a requirement without a verdict; empty otherwise."""
+    rules: str
+    """That earlier rules cleared it, sentences; empty for any other run."""
     untraced: str
     """Of a simulator: why no trace is stored, sentences; empty if one is, and for any other run."""
     rate: float | None

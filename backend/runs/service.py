@@ -39,7 +39,7 @@ from campaigns.limits import DRAWS
 from campaigns.results import Verdict, verdicts
 from campaigns.results.remedies import Ran
 from campaigns.results.sample import SoFar
-from campaigns.results.verdict import VerdictWord
+from campaigns.results.verdict import VerdictWord, by_earlier_rules
 from campaigns.runs import RunState, StageState, run_name, run_number
 from campaigns.stages.found import declared
 from campaigns.versions import Versions, undigested
@@ -72,6 +72,9 @@ def detail(reader: sa.Connection, run_id: int) -> RunDetail:
     if not base.quantity and stated:  # the installed catalogue no longer has the criterion, the stored one has
         base = base.model_copy(update={"quantity": stated[0].quantity, "unit": stated[0].unit})
     stages = progress(reader, run_id)
+    verdict = _verdict(reader, run_id, campaign, parts, base.failed_evaluations)
+    if verdict is not None:  # stored as text, it has the bound as earlier versions rounded it
+        base = base.model_copy(update={"reason": verdict.reason})
     pace = _pace(stages, computing(campaign)) if base.state == RunState.RUNNING else NO_PACE
     return RunDetail(
         **dict(base),
@@ -94,8 +97,9 @@ def detail(reader: sa.Connection, run_id: int) -> RunDetail:
             if stage.planned(campaign)
         ],
         stages=stages,
-        summary=_verdict(reader, run_id, campaign, parts, base.failed_evaluations),
+        summary=verdict,
         unconfirmed=unconfirmed(base.state, base.worst_cost, base.threshold, base.unit),
+        rules=by_earlier_rules(base.id) if base.earlier_rules else "",
         untraced="" if campaign.simulator is None else no_trace(reader, run_id),
         rate=pace.rate,
         remaining=pace.remaining,

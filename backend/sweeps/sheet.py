@@ -36,7 +36,7 @@ def _row(point: SweepPoint) -> list[object]:
 
 
 def _word(found: Outcome) -> str | None:
-    return None if found.verdict is None else headline(found.verdict, found.not_sampled, found.policy)
+    return None if found.verdict is None else headline(found.verdict, found, found.policy)
 
 
 def _number(value: float | None) -> str | None:

@@ -9,6 +9,10 @@ WORDING = 21
 """Raised when a sentence of a result changes: the audit makes sentences again only where the same templates made them.
 Stored with the versions of a run since 2."""
 
+CLEARING = 21
+"""The version since which a run is cleared by the rules of today: raised to `WORDING` with each rule that can withdraw
+"cleared". The audit has it a second time."""
+
 
 def reworded(versions: Versions) -> str:
     """Whose templates made the sentences, if not those of this installation; empty otherwise."""

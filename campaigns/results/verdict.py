@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from enum import StrEnum
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, Literal, Protocol
 
 from pydantic import Field, computed_field, model_validator
 
 from campaigns.claims.spans import Spans, values, words
+from campaigns.claims.wording import CLEARING
 from campaigns.codes import CheckCode
 from campaigns.documented import UNLESS_EMPTY, UNLESS_NONE
 from campaigns.limits import SAMPLE
@@ -180,7 +181,12 @@ class Verdict(Result):
     @property
     def headline(self) -> str:
         """The verdict in large."""
-        return headline(self.verdict, self.not_sampled, self.policy)
+        return headline(self.verdict, self, self.policy)
+
+    @property
+    def earlier_rules(self) -> bool:
+        """Whether earlier rules cleared it."""
+        return earlier_rules(self.verdict, self.provenance.wording)
 
     @property
     def policy(self) -> PolicyWord | None:
@@ -202,11 +208,32 @@ class Verdict(Result):
         return f"{self.sentence} {self.scope}".strip()
 
 
-def headline(word: str, lacks_sample: bool | None, policy: str | None) -> str:
-    """A verdict in large, with what alone is missing to clear it, and that the policy on changes since the baseline
-    fails: `inconclusive: not sampled, policy fails`. policy: None where a column or clause of its own states it."""
-    lacking = ": not sampled" if lacks_sample else ""
-    return f"{word}{lacking}{', policy fails' if policy == 'fails' else ''}"
+class Marked(Protocol):
+    """What a verdict in large states besides its word; a service of an earlier version may not send it."""
+
+    @property
+    def not_sampled(self) -> bool | None: ...
+    @property
+    def earlier_rules(self) -> bool | None: ...
+
+
+def headline(word: str, of: Marked, policy: str | None) -> str:
+    """A verdict in large, with what alone is missing to clear it, that earlier rules cleared it, and that the policy on
+    changes since the baseline fails: `inconclusive: not sampled, policy fails`. policy: None where a column or clause
+    of its own states it."""
+    marks = ["not sampled"] * bool(of.not_sampled) + ["earlier rules"] * bool(of.earlier_rules)
+    return f"{word}{': ' * bool(marks)}{', '.join(marks)}{', policy fails' if policy == 'fails' else ''}"
+
+
+def earlier_rules(word: str | None, wording: int | None) -> bool:
+    """Whether a stored verdict is "cleared" by rules of before one that can withdraw it; wording: of its versions."""
+    return word == VerdictWord.CLEARED and (wording or 0) < CLEARING
+
+
+def by_earlier_rules(run: str) -> str:
+    """The sentence on such a run."""
+    rules = "It was cleared by the rules of an earlier version of Clearance."
+    return f"{rules} What does not hold by those of today: clearance audit {run}."
 
 
 def not_sampled(word: str | None, lacking: Sequence[str], drawn: int) -> bool:

@@ -75,8 +75,8 @@ class Source:
 @dataclass(frozen=True)
 class EndedRun:
     """One run. run: R-0001, or the campaign's file; link: its page, if it has one; replay: the command that evaluates a
-    case of it again, without the case; notes: sentences on its baseline, its reuse and its
-    removal."""
+    case of it again, without the case; notes: sentences on the rules that cleared it, its baseline,
+    its reuse and its removal."""
 
     run: str
     campaign: str
@@ -163,7 +163,7 @@ class EndedRun:
             return ""
         meaning = OUTCOMES[self.code]
         if self.verdict is not None:
-            meaning = by_policy(self.verdict) or headline(meaning, self.verdict.not_sampled, None)
+            meaning = by_policy(self.verdict) or headline(meaning, self.verdict, None)
         return f"exit code {self.code}: {meaning}"
 
     def command(self, case: FindingChange) -> str:

@@ -126,10 +126,14 @@ def as_ended(service: Client, found: RunDetail, reused: str | None = None) -> En
     """The run as its files state it; an earlier version of the service has no labels and no baseline."""
     from campaigns.identity.identity import Identity
     from campaigns.results import Verdict
+    from campaigns.results.verdict import by_earlier_rules
 
     document, compared = found.document, found.baseline
     criterion = (document.get("campaign") or {}).get("criterion") or {}
     stated = document["summary"] if found.state == RunState.DONE else None
+    verdict = Verdict.model_validate(stated) if stated else None
+    rules = by_earlier_rules(found.id) if verdict is not None and verdict.earlier_rules else None
+    baseline = None if compared is None else compared.sentence
     code = document.get("identity")  # an earlier version of the service sends none
     extends = citing({"run": found.continues}) if found.continues else []
     return EndedRun(
@@ -137,12 +141,12 @@ def as_ended(service: Client, found: RunDetail, reused: str | None = None) -> En
         identity=None if code is None else Identity.model_validate(code),
         campaign=found.campaign_name,
         state=found.state,
-        verdict=Verdict.model_validate(stated) if stated else None,
+        verdict=verdict,
         error=found.error or superseded(found),
         link=service.link(found),
         replay=f"clearance replay --service {shlex.quote(service.address)} {found.id}",
         labels=found.labels,
-        notes=tuple(filter(None, [reused, *extends, "" if compared is None else compared.sentence, removal(found)])),
+        notes=tuple(filter(None, [rules, reused, *extends, baseline, removal(found)])),
         seconds=worked(found),
         compared=compared is None or compared.run is not None,
         quantity=found.quantity,
@@ -274,7 +278,7 @@ def ended_as(found: Run) -> str:
     """The verdict, or the state without one, and that the policy on changes since the baseline fails."""
     from campaigns.results.verdict import headline
 
-    return headline(found.verdict, found.not_sampled, found.policy) if found.verdict else found.state
+    return headline(found.verdict, found, found.policy) if found.verdict else found.state
 
 
 def counts(found: Run) -> str:

@@ -67,7 +67,7 @@ def _verdict(suite: Xml.Element, ended: EndedRun) -> None:
         _ended(case, "error", ended.no_verdict, *ended.notes, ended.link, kind=ended.state)
         return
     if verdict.verdict == "cleared" or ended.accepted:
-        Xml.SubElement(case, "system-out").text = _clean("\n".join([verdict.reason, *ended.notes]))
+        _passed(case, ended, verdict)
         return
     text = [verdict.reason, *ended.notes, *(_values(verdict.worst.parameters) if verdict.worst else ()), ended.link]
     if ended.replay and verdict.worst is not None:
@@ -86,7 +86,7 @@ def _criterion(suite: Xml.Element, ended: EndedRun, verdict: Verdict) -> None:
         kind = "violation" if verdict.verdict == "violated" else "unconfirmed"
         _ended(case, "failure", _violating(ended, verdict), *text, kind=kind)
     elif verdict.verdict == "cleared":
-        Xml.SubElement(case, "system-out").text = _clean(verdict.reason)
+        _passed(case, ended, verdict)
     else:
         _ended(case, "skipped", f"not cleared, although no finding violates it: {verdict.reason}")
 
@@ -111,8 +111,7 @@ def _requirement(suite: Xml.Element, ended: EndedRun, requirement: str) -> None:
     elif verdict is None:
         _ended(case, "error", f"no evidence: {ended.state}", ended.link, kind=ended.state)
     elif verdict.verdict == "cleared":
-        text = f"{verdict.reason}\nEvidence of this run alone; the matrix of requirements has all runs."
-        Xml.SubElement(case, "system-out").text = _clean(text)
+        _passed(case, ended, verdict, "Evidence of this run alone; the matrix of requirements has all runs.")
     elif ended.accepted:
         _ended(case, "skipped", f"{verdict.sentence} {exit_sentence(verdict)}", verdict.scope)
     else:
@@ -155,6 +154,10 @@ def _case(suite: Xml.Element, ended: EndedRun, change: FindingChange) -> None:
 
 def _added(suite: Xml.Element, ended: EndedRun, name: str) -> Xml.Element:
     return Xml.SubElement(suite, "testcase", classname=_clean(ended.campaign), name=_clean(name))
+
+
+def _passed(case: Xml.Element, ended: EndedRun, verdict: Verdict, *lines: str) -> None:
+    Xml.SubElement(case, "system-out").text = _clean("\n".join([verdict.reason, *lines, *ended.notes]))
 
 
 def _ended(case: Xml.Element, tag: str, message: str, *lines: str, kind: str = "") -> None:

@@ -105,7 +105,7 @@ def _line(found: Sweep, point: SweepPoint) -> str:
     sure = written(outcome.confidence or 0.0, form=Format.AT_LEAST)
     source = SOURCES.get(outcome.bound_source or "", "")
     sampled = "" if bound is None else f", P(violation) at most {most} ({sure} confidence{source})"
-    return f"{start}  {headline(str(outcome.verdict), outcome.not_sampled, outcome.policy)}{margin}{sampled}{removed}"
+    return f"{start}  {headline(str(outcome.verdict), outcome, outcome.policy)}{margin}{sampled}{removed}"
 
 
 def _code(found: Sweep) -> int:

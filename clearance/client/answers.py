@@ -200,6 +200,10 @@ class Run(RunAnswer):
     """cleared, violated, inconclusive"""
     not_sampled: bool | None = None
     """Whether nothing but an independent sample is missing to clear it."""
+    earlier_rules: bool | None = None
+    """Whether it is cleared by the rules of an earlier version, and `clearance audit` names what does not hold by those
+    of today.
+    """
     reason: str | None
     """The verdict's sentence."""
     error: str | None
@@ -299,6 +303,8 @@ class RunDetail(Run):
     """Empty until a worker has started the run."""
     summary: VerdictParts | None
     """The verdict with its evidence; None until there is one."""
+    rules: str | None = None
+    """That earlier rules cleared it, sentences; empty for any other run."""
     untraced: str | None = None
     """Of a simulator: why no trace is stored, sentences; empty if one is, and for any other run."""
     rate: float | None = None
@@ -539,6 +545,10 @@ class Outcome(Answer):
     """Of the upper bound."""
     not_sampled: bool | None = None
     """Whether nothing but an independent sample is missing to clear it."""
+    earlier_rules: bool | None = None
+    """Whether it is cleared by the rules of an earlier version, and `clearance audit` names what does not hold by those
+    of today.
+    """
     policy: str | None = None
     """What the campaign's policy says of the changes since the baseline: `holds`; `fails`, which is exit code 1
     whatever the verdict; `accepts`, a violated run whose violations were all known. None without a comparison.

@@ -10,6 +10,7 @@ import numpy as np
 
 from backend.db.queue import Queue
 from backend.db.store import RunStore
+from campaigns.claims.wording import WORDING
 from campaigns.results import Finding, ValidateResult
 from campaigns.results.finding import FoundBy
 from campaigns.results.sample import Histogram, QuantileBound, Sample
@@ -80,7 +81,9 @@ def finish_fully(
         Check(code="x", ok=False, statement=results.statement(checked)),
         *further,
     ]
-    origin = Provenance(seed=1, clearance="0.1.0", packages={"numpy": "2.4.6"}, cpu=Processor(model="A CPU"))
+    origin = Provenance(
+        seed=1, clearance="0.1.0", wording=WORDING, packages={"numpy": "2.4.6"}, cpu=Processor(model="A CPU")
+    )
     scope = "Scope: one obstacle; horizon 15 s."
     known = {"scope": scope, "checks": checks, "statistics": stated, "provenance": origin, "worst": 1.3} | values
     store.conclude(results.verdict(verdict, text, 1.4, **known))

@@ -39,13 +39,16 @@ export function OutcomeIcon({ outcome, className = 'i' }: { outcome: Outcome; cl
   return <Icon className={clsx(className, busy && icons.spin)} aria-hidden="true" />
 }
 
-type Ended = Pick<RunSummary, 'state' | 'verdict'> & { readonly not_sampled?: boolean; readonly policy?: RunSummary['policy'] }
+type Ended = Pick<RunSummary, 'state' | 'verdict'> & Partial<Pick<RunSummary, 'not_sampled' | 'earlier_rules' | 'policy'>>
 
-const lacking = (run: Ended) => (run.verdict && run.not_sampled ? ': not sampled' : '')
+function lacking(run: Ended): string {
+  const marks = [run.not_sampled && 'not sampled', run.earlier_rules && 'earlier rules'].filter(Boolean)
+  return run.verdict && marks.length > 0 ? `: ${marks.join(', ')}` : ''
+}
 
 const failing = ({ policy }: Ended) => (policy === 'fails' ? ', policy fails' : '')
 
-/** The outcome in words, with what alone is missing to clear the run, and that its policy on changes fails. */
+/** The outcome in words, with what alone is missing to clear the run, that earlier rules cleared it, and that its policy on changes fails. */
 export const wordOf = (run: Ended): string => `${LOOK[outcomeOf(run)].word}${lacking(run)}${failing(run)}`
 
 /** The same verdict within a sentence, null without one. */

@@ -66,10 +66,9 @@ EACH = 21
 value is no scale of how sure a search is."""
 TOP, MANY = 0.9, 100
 """A nominal value is far above so many costs if none is between a tenth and this fraction of its height."""
-RULES = max(
-    BASINS, BASELINES, BESIDE, ROUNDED, TAILS, LOWEST, SHARED, CALLED, AFTER, VIOLATING, WHOLE, HALVED, WIDER, ALIKE,
-    MEASURED, GRANTED, NEAREST, EACH,
-)  # fmt: skip
+CLEARING = max(ROUNDED, LOWEST, SHARED, AFTER, HALVED, WIDER, ALIKE, MEASURED, GRANTED, NEAREST, EACH)
+"""The version since which the rules that can withdraw "cleared" are those of today."""
+RULES = max(CLEARING, BASINS, BASELINES, BESIDE, TAILS, CALLED, VIOLATING, WHOLE)
 """The version since which the rules are those of today."""
 POINTS, TIMES = 5, 3
 """Of a simulator: how many points are evaluated to measure whether it repeats, and how often each."""

@@ -38,6 +38,7 @@ export function Banner({ data }: { data: RunData }) {
         ) : (
           <WithoutVerdict run={run} outcome={outcome} />
         )}
+        {run.rules && <p data-testid="rules">{run.rules}</p>}
         {run.verdict && summary?.sureness && (
           <p className="sec" data-testid="sureness">
             <Spans spans={[...summary.sureness.statement, words('.')]} />
@@ -51,17 +52,26 @@ export function Banner({ data }: { data: RunData }) {
           </details>
         )}
         {run.verdict === 'inconclusive' && <NextSteps run={run} />}
-        {run.verdict && summary && summary.checks.length > 0 && <Checks checks={summary.checks} succeeded={succeededOf(run)} />}
+        {run.verdict && summary && summary.checks.length > 0 && (
+          <Checks checks={summary.checks} succeeded={succeededOf(run)} earlier={run.earlier_rules} />
+        )}
       </div>
     </section>
   )
+}
+
+interface ChecksProps {
+  checks: readonly DescribedCheck[]
+  succeeded: number
+  /** Of a run that earlier rules cleared: those of today require others. */
+  earlier: boolean
 }
 
 /**
  * Folded, so that verdict, figures and 3D view fit on one screen; the line that unfolds it names every check that does not
  * hold, and every one that holds only for the evaluations that have a value.
  */
-function Checks(props: { checks: readonly DescribedCheck[]; succeeded: number }) {
+export function Checks(props: ChecksProps) {
   const { checks } = props
   return (
     <details className={clsx('sec', styles.fold)} data-testid="checks">
@@ -83,14 +93,14 @@ function Checks(props: { checks: readonly DescribedCheck[]; succeeded: number })
   )
 }
 
-function Tally({ checks, succeeded }: { checks: readonly DescribedCheck[]; succeeded: number }) {
+function Tally({ checks, succeeded, earlier }: ChecksProps) {
   const of = (standing: DescribedCheck['standing']) => checks.filter((check) => check.standing === standing)
   const [failing, open] = [of('fails'), of('open')]
   return (
     <>
       <b>
         {failing.length === 0
-          ? open.length === 0 && `All ${checks.length} checks hold`
+          ? open.length === 0 && `All ${checks.length} checks ${earlier ? 'of that version ' : ''}hold`
           : `${failing.length} of ${checks.length} checks ${failing.length === 1 ? 'fails' : 'fail'}:`}
       </b>
       {failing.length > 0 && (

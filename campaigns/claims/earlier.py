@@ -21,6 +21,8 @@ SENTENCES = {"text": "statement", "sentence": "statement", "scope": "holds_for"}
 SAID = "said"
 """The field of the spans in earlier versions, now `statement`."""
 SCOPE = "Scope: "
+UPPER_BOUND = "upper_bound"
+"""The name of a bound on P(violation), which earlier versions rounded to the nearest."""
 _NUMBER = rf"[-+\u2212]?\d(?:[\d{NARROW}]*\d)?(?:\.\d+)?(?:e[-+\u2212]\d+)?"
 
 _COUNT = rf"[\d{NARROW}]+"
@@ -33,7 +35,7 @@ _VERDICT = {
     "violating": ("", r" stored evaluations? violates? the"),
     "violations": ("", rf" of {_COUNT} flights drawn"),
     "samples": (r"\d of ", " flights drawn"),
-    "upper_bound": (r"P\(violation\) is at most ", ""),
+    UPPER_BOUND: (r"P\(violation\) is at most ", ""),
 }
 """The text before and after each named number of a verdict, as earlier versions wrote it."""
 
@@ -48,13 +50,16 @@ class Terms(NamedTuple):
 
 
 def spoken(stored: Any, terms: Callable[[], Terms]) -> Any:
-    """A stored result with spans for every sentence that has none; `terms` is called only if needed."""
+    """A stored result with spans for every sentence that has none, and with upper bounds that are rounded up; `terms`
+    is called only if needed."""
     if isinstance(stored, list):
         return [spoken(item, terms) if isinstance(item, dict | list) else item for item in stored]
     if not isinstance(stored, dict):
         return stored
     stored = renamed(stored)
     found = {key: spoken(value, terms) if isinstance(value, dict | list) else value for key, value in stored.items()}
+    if stored.get("name") == UPPER_BOUND and stored.get("format") in (Format.PERCENT, Format.PROBABILITY):
+        found["format"] = Format.AT_MOST
     for name, field in SENTENCES.items():
         text = stored.get(name)
         if field not in stored and isinstance(text, str):

@@ -53,8 +53,9 @@ def replay(
         typer.Option(
             "--blocks",
             min=0,
-            help="Of a sample of which only a part is stored: so many of its blocks, drawn at random now, are flown "
-            "again from the seed and the indices of their draws, and the digests of all their results compared.",
+            help="Of a sample of which only a part is stored: so many of its blocks, drawn at random now, are "
+            "simulated again from the seed and the indices of their draws, and the digests of all their results are "
+            "compared.",
         ),
     ] = 0,
     as_json: Annotated[bool, typer.Option("--json", help="Print only one JSON object.")] = False,

@@ -49,7 +49,8 @@ def serve(
         int,
         typer.Option(
             "--workers",
-            help="Maximum number of runs at the same time; one without a run flies blocks of another's large sample.",
+            help="Maximum number of runs at the same time; one without a run simulates blocks of another's large "
+            "sample.",
             min=0,
             max=256,
         ),

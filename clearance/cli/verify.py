@@ -16,6 +16,6 @@ def verify(
     data: Data = DATA,
     database: Database = "",
 ) -> None:
-    """Use `clearance audit`: this earlier name of it goes with the next version."""
+    """Deprecated: use `clearance audit`. Removed in the next version."""
     renamed("verify", "audit")
     audit(ctx, run, data=data, database=database)

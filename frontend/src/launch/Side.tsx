@@ -94,8 +94,8 @@ export function Estimate({ checked, campaign }: EstimateProps) {
         <dd>{estimate ? (timeOf(estimate) ?? 'not known') : NONE}</dd>
         {bound && (
           <>
-            <dt>Bound on P(violation)</dt>
-            <dd>{boundText(bound.upper_bound, bound.source)}</dd>
+            <dt>Bound on P(violation), at best</dt>
+            <dd>≤ {boundText(bound.upper_bound, bound.source)}</dd>
           </>
         )}
         {target !== null && (

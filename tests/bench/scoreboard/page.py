@@ -31,11 +31,14 @@ def _cells(part: Mapping[str, Any]) -> str:
 
 
 def _about(found: Mapping[str, Any]) -> list[str]:
-    limits = ", ".join(f"{Contestant(name).title} {most}" for name, most in LIMITS.items())
+    taking_part = {name: most for name, most in LIMITS.items() if found["peers"].get(name, "ours")}
+    limits = ", ".join(f"{Contestant(name).title} {most}" for name, most in taking_part.items())
+    seconds = sum(part["seconds"] for part in found["parts"].values())
     peers = [f"| {PEERS[name].title} | {text or 'not installed'} |" for name, text in found["peers"].items()]
     return [
-        f"Half for {found['half']}. Commit {found['commit']}. {_seeds(found)} where a part has no instances. "
-        f"{found['machine']}, {found['processes']} processes, {found['seconds']:.0f} s.",
+        f"Half for {found['half']}. Page of commit {found['commit']}, from cells that this commit would measure again "
+        f"alike and that took {seconds:,.0f} s of processes. {_seeds(found)} where a part has no instances. "
+        f"{found['machine']}.",
         "",
         "Every figure is a mean over all seeds or instances; - means that a method takes no part there or that a cell "
         "of it has no figures or is not measured; a peer that raised counts with what it had evaluated until then, and "

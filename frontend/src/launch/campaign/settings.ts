@@ -28,7 +28,7 @@ export const SIMULATION: Setting[] = [
 ]
 
 export const VERDICT: Setting[] = [
-  { at: ['agreement'], label: 'Agreement', text: 'Fraction of nominal minus worst within which the global methods must agree' },
+  { at: ['agreement'], label: 'Agreement', text: 'Fraction of nominal minus worst within which the global methods must agree, and within a tenth of the margin' },
   {
     at: ['target_probability'],
     label: 'Target for P(violation)',
@@ -77,7 +77,7 @@ export const STAGES: Group[] = [
       {
         at: ['stages', 'certify', 'keep'],
         label: 'Stored flights',
-        text: 'Of a large sample, the lowest and the first, with counts of all: any of them can be flown again',
+        text: 'Of a large sample, the lowest and the first, with counts of all: any of them can be simulated again',
         choices: [
           { value: 'all', label: 'All' },
           { value: 'lowest', label: 'The lowest 1 000 and the first 1 024' },
@@ -119,7 +119,7 @@ export const STAGES: Group[] = [
       {
         at: ['stages', 'attraction', 'degree'],
         label: 'Degree of V',
-        text: 'Proves a region from which the loop returns to its trim, for its polynomial model; 2 takes seconds, 4 minutes; empty omits it',
+        text: 'Proves a region from which the loop returns to its trim, for its polynomial model; degree 2 takes seconds, degree 4 minutes, and 6 is the default for two states; empty omits it',
         empty: ({ stages: { attraction } }) => (attraction ? 'by the number of states' : 'omitted'),
       },
     ],

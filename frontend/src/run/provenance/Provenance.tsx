@@ -127,8 +127,8 @@ function sampleSeed({ stages }: RunData): string {
 
 /** One digest of all code, then that of the engine and of each own file. */
 function codeRows(identity: Identity | null): Rows {
-  const engine: [string, string][] = identity?.engine ? [['engine', identity.engine]] : []
-  const loop: [string, string][] = identity?.loop ? [['compiled loop', identity.loop]] : []
+  const engine: [string, string][] = identity?.engine ? [['Engine', identity.engine]] : []
+  const loop: [string, string][] = identity?.loop ? [['Compiled loop', identity.loop]] : []
   const files = Object.entries(identity?.files ?? {})
   return [
     ['Code', <span key="o">{identity?.digest ? <>sha256 {hash(identity.digest)}</> : unreadOf(identity)}</span>],

@@ -113,7 +113,7 @@ def test_the_audit_has_the_same_limits() -> None:
     )  # from BASELINES to RULES they are numbers of a version
     mine = {name: value for name, value in vars(audit).items() if name.isupper() and name not in others}
     assert mine == {name: LIMITS[name].value for name in mine}
-    assert (scales.HIGH, scales.LOW, scales.FEW) == (audit.TOP, pytest.approx(1.0 - audit.TOP), audit.MANY)
+    assert (audit.TOP, pytest.approx(1.0 - audit.TOP), audit.MANY) == (scales.HIGH, scales.LOW, scales.FEW)
     assert (nominal.POINTS, nominal.TIMES) == (audit.POINTS, audit.TIMES)
     assert {kind: family.least.value for kind, family in FAMILIES.items() if family.least} == audit.LEAST
     assert tuple(rule.code for rule in RULES) == audit.ORDER

@@ -9,6 +9,8 @@ from numpy.typing import NDArray
 
 DISTINCT, FINEST, BINARY = 5, 9, 30
 """Different values that lie on a grid at least; the finest one, in decimals and in binary digits."""
+OFTEN = 20
+"""So many evaluations for each of fewer values show one as well."""
 NEAREST = 100, 30, 10
 """Of so many of the lowest values the step counts."""
 EPSILON = 2.0**-52
@@ -16,19 +18,19 @@ PARTS, CERTAIN = 100, 1024
 """Any other step is this part of the smallest gap at least, and so many times what is rounding."""
 
 
-def step(costs: NDArray[np.float64], any_step: bool, lowest: Sequence[int] = NEAREST) -> float:
-    """0 without one, of fewer than `DISTINCT` values, and of steps within their own rounding.
+def step(costs: NDArray[np.float64], any_step: bool, lowest: Sequence[int] = NEAREST, few: bool = True) -> float:
+    """0 without one, of fewer than `DISTINCT` values that do not return often, and of steps within their own rounding.
 
     any_step: whether steps other than decimal and binary ones count; lowest: of how many of the lowest values the step
-    of their own counts, if it is larger.
+    of their own counts, if it is larger; few: whether fewer values count if they return often.
     """
     values = np.unique(costs)
+    if len(values) < DISTINCT and not (few and 1 < len(values) <= len(costs) / OFTEN):
+        return 0.0
     return max(_of(some, any_step) for some in (values, *(values[:count] for count in lowest)))
 
 
 def _of(values: NDArray[np.float64], any_step: bool) -> float:
-    if len(values) < DISTINCT:
-        return 0.0
     above, size = values[1:] - values[0], float(max(abs(values[0]), abs(values[-1])))
     return max(_usual(above, size), _part(np.diff(values), float(above[-1]), 4 * EPSILON * size) if any_step else 0.0)
 

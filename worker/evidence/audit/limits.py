@@ -62,8 +62,8 @@ evaluations repeats; since which no fraction below 1 is written as 100 %."""
 NEAREST = 20
 """The version since which the lowest values have a grid of their own."""
 EACH = 21
-"""The version since which what a search excludes counts by itself, a fixed seed of any part bars, and a large nominal
-value is no scale of how sure a search is."""
+"""The version since which what a search excludes counts by itself, a fixed seed of any part bars, a large nominal value
+is no scale of how sure a search is, and a few values that return often lie on a grid."""
 TOP, MANY = 0.9, 100
 """A nominal value is far above so many costs if none is between a tenth and this fraction of its height."""
 CLEARING = max(ROUNDED, LOWEST, SHARED, AFTER, HALVED, WIDER, ALIKE, MEASURED, GRANTED, NEAREST, EACH)

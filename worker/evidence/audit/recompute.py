@@ -145,7 +145,7 @@ class Run:
         self.one_point = len(known) > 0 and bool((known == known[0]).all())
         """Whether all evaluations with a cost are of one point."""
         lowest = grids.NEAREST if self.wording >= limits.NEAREST else ()
-        self.resolution = grids.step(self.costs, self.wording >= limits.GRANTED, lowest)
+        self.resolution = grids.step(self.costs, self.wording >= limits.GRANTED, lowest, self.wording >= limits.EACH)
         self.varies = self.highest - self.lowest > self._rounding()
         self.findings = [self.finding(k) for k in range(len(self.claims["findings"]))]
         again = self._again()

@@ -29,7 +29,11 @@ VALUES: dict[str, tuple[Floats, float]] = {
     "single precision": (np.maximum(0.3, RANDOM).astype(np.float32).astype(np.float64), 2.0**-25),
     "large, one decimal": (np.round(1e6 * RANDOM, 1), 0.1),
     "large": (1e9 * RANDOM, 0.0),
-    "yes or no": (np.round(RANDOM), 0.0),
+    "yes or no": (np.round(RANDOM), 1.0),
+    "whole metres from 2 to 4": (2.0 + np.round(2.0 * RANDOM), 1.0),
+    "four that are not rounded": (RANDOM[:4], 0.0),
+    "three, each a few times": (np.round(2.0 * RANDOM[:50]), 0.0),
+    "levels": (np.array([0.3, 0.7, 1.7])[np.round(2.0 * RANDOM).astype(int)], 0.2),
     "tenths of a foot": (np.round(30 * RANDOM, 1) * 0.3048, 0.03048),
     "tenths of a kilometre per hour": (np.round(100 * RANDOM, 1) / 3.6, 0.1 / 3.6),
     "thirds": (np.round(30 * RANDOM) / 3, 1 / 3),
@@ -46,10 +50,11 @@ WAYS: dict[str, Callable[[Floats], Floats]] = {
     "rounded up": lambda d: np.ceil(10 * d) / 10,
     "of a foot": lambda d: np.round(10 * d / 0.3048) * 0.03048,
     "written": lambda d: np.array([float(f"{x:.1f}") for x in d]),
+    "to quarters": lambda d: np.round(4 * d) / 4,
     "single": lambda d: np.maximum(d, 0.3).astype(np.float32),
 }
 [RULE] = [one for one in RULES if one.code == CheckCode.RESOLUTION]
-THRESHOLDS = {"rounded": 0.88, "rounded up": 0.88, "of a foot": 0.84, "written": 0.88, "single": 0.3}
+THRESHOLDS = {"rounded": 0.88, "rounded up": 0.88, "of a foot": 0.84, "written": 0.88, "to quarters": 0.7, "single": 0.3}
 
 
 def distance(x: Floats, y: Floats) -> Floats:

@@ -15,8 +15,8 @@ from worker.engine.systems.base import Floats
 
 LOWEST = 100, 30, 10
 """So many of the lowest different values have a grid of their own: a few where higher ones have other digits."""
-DISTINCT = 5
-"""Different values below which none is stated: a verdict of yes or no has two."""
+DISTINCT, AGAIN = 5, 20
+"""Fewer different values lie on a grid by chance, unless each stands for so many values on average."""
 GRIDS = sorted({*(float(f"{m}e{k}") for k in range(-9, 4) for m in (1, 2, 2.5, 5)), *(2.0**-k for k in range(31))})
 """Decimal ones, and binary ones as of numbers in single precision."""
 PRECISION = 64 * float(np.finfo(float).eps)
@@ -28,14 +28,14 @@ where it is compared; digits of it."""
 
 def grid(costs: Floats) -> float:
     """The coarsest step of which all differences of these values are multiples, or those of the lowest of them, such as
-    a tenth of a foot [criterion's unit]; 0 if there is none, and of fewer than `DISTINCT` different values."""
+    a tenth of a foot [criterion's unit]; 0 if there is none."""
     known = np.unique(costs)
+    if len(known) < 2 or (len(known) < DISTINCT and len(costs) < AGAIN * len(known)):
+        return 0.0
     return max(_grid(some) for some in (known, *(known[:count] for count in LOWEST)))
 
 
 def _grid(known: Floats) -> float:
-    if len(known) < DISTINCT:
-        return 0.0
     size = float(np.abs(known).max())
     fine = [g for g in GRIDS if g > PRECISION * size]
     for some in (known[:: -(-len(known) // 100)], known):  # a few first: values that are not rounded fit none

@@ -24,6 +24,13 @@ FORGOTTEN = 24 * 3600.0
 LIVE = 60.0
 """A worker is live if it sent a heartbeat within this time [s]; what it published stays for as long."""
 
+CURRENT = 300.0
+"""What is published counts as installed for so long after a live worker compared its files with it [s]: it pauses for
+ten times as long as that took, and to publish an edit may take this long."""
+
+RESTART = LIVE
+"""And for so long after one has published or stopped in an orderly way, so that a restart shows no difference [s]."""
+
 SEEN = 20.0
 """A worker counts as alive if it sent a heartbeat within this time, ten times the usual interval [s]."""
 
@@ -159,10 +166,49 @@ def compared(connection: sa.Connection, simulator: str | None) -> float | None:
     return min(able, default=None)
 
 
+@dataclass(frozen=True)
+class Report:
+    """What live workers report of what is published. at: when one of them, or of those before, last had it installed;
+    seen: when any was last seen; simulators: the versions that live ones have, None if all count as theirs."""
+
+    at: float
+    seen: float
+    alive: bool
+    current: bool
+    simulators: frozenset[str] | None
+
+    def has(self, entry: SimulatorEntry) -> bool:
+        return self.simulators is None or not self.simulators.isdisjoint(entry.versions)
+
+
+def reported(connection: sa.Connection) -> Report | None:
+    """Whether what is published is installed, as far as workers report it; None if nothing is published.
+
+    A worker that has just published, or stopped in an orderly way, counts as live: a restart shows no difference. One
+    that could not yet start its process does not report anything.
+    """
+    stored = connection.execute(sa.select(CatalogueDocument.published, CatalogueDocument.departed)).first()
+    if stored is None:
+        return None
+    at = now(connection)
+    events = [when for when in stored if when is not None]
+    lately = any(recent(when, at, RESTART) for when in events)
+    live = connection.execute(sa.select(Worker.compared, Worker.simulators).where(beating(at, LIVE))).all()
+    compared = max((row.compared for row in live), default=0.0)
+    return Report(
+        at=max(compared, *(when for when in events if when <= at), 0.0),
+        seen=max(last_seen(connection) or 0.0, stored.published),
+        alive=bool(live),
+        current=lately or compared > at - CURRENT,
+        simulators=None if lately else frozenset(version for row in live for version in row.simulators),
+    )
+
+
 def leave(connection: sa.Connection, name: str) -> None:
-    """Delete the entry of a worker after an orderly shutdown; only the time is stored."""
+    """Delete the entry of a worker after an orderly shutdown; only the time is stored, if it had been able to run."""
+    ready = sa.select(Worker.name).where(Worker.name == name, Worker.installation != "").exists()
+    connection.execute(sa.update(CatalogueDocument).where(ready).values(departed=now(connection)))
     connection.execute(sa.delete(Worker).where(Worker.name == name))
-    connection.execute(sa.update(CatalogueDocument).values(departed=now(connection)))
 
 
 def last_seen(connection: sa.Connection) -> float | None:

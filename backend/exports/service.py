@@ -7,6 +7,7 @@ import hashlib
 import sqlalchemy as sa
 from fastapi import Request
 
+from backend.catalog.installed import installed
 from backend.catalog.service import published_digest
 from backend.db.tables import Finding, Trace
 from backend.exports.format import LABEL, Stored, known
@@ -74,7 +75,9 @@ def tag(reader: sa.Connection, run_id: int) -> str | None:
     run = runs.detail(reader, run_id)
     if run.state not in ENDED:
         return None
+    now = installed(reader)
     parts = [run.model_dump_json(), signoffs.listed(reader, run_id).model_dump_json(), published_digest(reader)]
+    parts += [now.reason, *sorted(now.absent)]
     return f'W/"{hashlib.sha256("".join(parts).encode()).hexdigest()}"'
 
 

@@ -85,7 +85,7 @@ class RequirementPage(Schema):
     total: int
     """How many requirements there are."""
     compared: bool
-    """Whether a worker has published the code that signed-off runs are compared with; if not, all are suspect."""
+    """Whether live workers report the code that signed-off runs are compared with; if not, all are suspect."""
 
 
 class RequirementFileOut(Schema):

@@ -292,12 +292,12 @@ class RunComponents(Schema):
     catalogue: Catalogue
     """The entries that the run's campaign uses."""
     changes: list[str]
-    """Differences of this installation's descriptions, as sentences; empty if there are none."""
+    """Differences of the descriptions that a worker published last, as sentences; empty if there are none."""
     code: str | None
     """Digest of the identity of the run; None if it has not started, or if something of it is not identified."""
     code_installed: str | None
     """Of what the newest worker has installed, with the compiled loop of the run, which workers do not publish; None if
-    no worker has published it, or if something is not identified."""
+    no live worker reports it, or if something is not identified."""
     code_changes: list[str]
     """What differs between the two: own files, packages, modules of the engine."""
     unidentified: list[str]

@@ -1,4 +1,4 @@
-"""What runs of now would be of: the newest definition of each campaign, and what the workers have installed."""
+"""What runs of now would be of: the newest definition of each campaign, and what live workers have installed."""
 
 from __future__ import annotations
 
@@ -8,26 +8,26 @@ from typing import Any
 
 import sqlalchemy as sa
 
-from backend.catalog.service import published
+from backend.catalog.installed import Installed, no_simulator
+from backend.catalog.installed import installed as installed_now
 from backend.db.engine import chunks
 from backend.db.sweeps import in_sweep
 from backend.db.tables import CampaignRow, Run
-from campaigns import CampaignError, Catalogue
+from campaigns import CampaignError
 from campaigns.asked.load import load_document
 from campaigns.asked.requirements import definition
-from campaigns.identity.identity import ENGINE, Identity, installed
+from campaigns.identity.identity import ENGINE, SIMULATORS, Identity, installed
 from campaigns.identity.identity import changes as differing
 from campaigns.runs import run_name
 
-NO_CODE = "no worker has published the code to compare it with"
 NOT_STORED = "its code is not stored, so a change of the model cannot be excluded"
 
 
 @dataclass(frozen=True)
 class Present:
-    """catalogue: of the newest worker, None if its code is unpublished; newest: run and definition by campaign name."""
+    """newest: run and definition by campaign name."""
 
-    catalogue: Catalogue | None
+    installed: Installed
     newest: Mapping[str, tuple[int, str]]
 
 
@@ -43,8 +43,7 @@ def present(reader: sa.Connection, names: Collection[str]) -> Present:
         found = sa.select(Run.id, CampaignRow.name, CampaignRow.document)
         found = found.join(CampaignRow, CampaignRow.digest == Run.campaign_digest).where(Run.id.in_(last))
         newest |= {row.name: (int(row.id), definition(row.document)) for row in reader.execute(found)}
-    catalogue = published(reader)
-    return Present(catalogue if catalogue is not None and catalogue.code is not None else None, newest)
+    return Present(installed_now(reader), newest)
 
 
 def changed_campaign(newer: int) -> str:
@@ -57,8 +56,9 @@ def changes(now: Present, run_id: int, name: str, document: Mapping[str, Any], t
     newer, defined = now.newest.get(name, (run_id, ""))
     if defined and defined != definition(document):
         yield changed_campaign(newer)
-    if now.catalogue is None:
-        yield NO_CODE
+    catalogue = now.installed.catalogue
+    if catalogue is None:
+        yield now.installed.reason
         return
     if then is None:
         yield NOT_STORED
@@ -68,11 +68,13 @@ def changes(now: Present, run_id: int, name: str, document: Mapping[str, Any], t
     except CampaignError:
         yield "this version cannot read its campaign, so a change cannot be excluded"
         return
-    here = installed(campaign, now.catalogue, then)
+    here = installed(campaign, catalogue, then)
     yield from (change.text for change in differing(then, here))
     if ENGINE in here.unidentified:
         yield "a part of it is no longer installed"
     if ENGINE in then.unidentified:
         yield NOT_STORED
+    absent = {f"{SIMULATORS}/{simulator}" for simulator in now.installed.absent}
     for unread in dict.fromkeys(name for name in then.unidentified + here.unidentified if name != ENGINE):
-        yield f"{unread} is not identified, so a change cannot be excluded"
+        alone = unread in absent and unread not in then.unidentified
+        yield no_simulator(unread) if alone else f"{unread} is not identified, so a change cannot be excluded"

@@ -19,6 +19,7 @@ from starlette.routing import compile_path
 from backend.__main__ import Server, _listen, server_config
 from backend.access import routes
 from backend.app import create
+from backend.db import workers
 from backend.db.access import create_login_code, create_token
 from backend.db.tables import Base, CatalogueDocument, Worker
 from backend.db.workers import SEEN
@@ -47,6 +48,7 @@ class _Hasty:
         await asyncio.sleep(delay / 10)
 
 
+workers.RESTART = 3600.0  # what `publish` has published is that of a worker, however long a test takes
 uvicorn.server.asyncio = _Hasty()  # type: ignore[attr-defined]
 
 # All applications have the same addresses.

@@ -10,6 +10,7 @@ import pytest
 import sqlalchemy as sa
 import yaml
 
+from backend.catalog.installed import NO_CODE, no_worker
 from backend.db import purge
 from backend.db.tables import (
     CatalogueDocument,
@@ -25,7 +26,7 @@ from backend.db.tables import (
     Trace,
 )
 from backend.requirements.standing import ONLY_OWN
-from backend.signoffs.present import NO_CODE, NOT_STORED, changed_campaign
+from backend.signoffs.present import NOT_STORED, changed_campaign
 from backend.signoffs.repeats import OTHER_CODE, OTHER_RESULTS, other_sample
 from backend.signoffs.standing import not_carried
 from backend.signoffs.texts import CHANGED_TEXT, LATER_TEXT, OTHER_TEXT
@@ -114,12 +115,14 @@ PLACES: dict[str, Callable[[httpx.Client, str], str]] = {
     "argument": _in_the_argument,
 }
 
+LONG_AGO = 1.7e9
 FLOWN = VERSIONS.model_dump(mode="json") | {"code": CODE.digest}
 EDITED = sa.update(CatalogueDocument).values(document=edited())
 NOTHING = sa.update(CatalogueDocument).values(document={k: v for k, v in edited().items() if k != "code"})
 SUSPECT: dict[str, tuple[sa.Update, str]] = {
     "code": (EDITED, Change("engine", CODE.digest, OTHER.digest).text),
     "no worker": (NOTHING, NO_CODE),
+    "no live worker": (sa.update(CatalogueDocument).values(published=LONG_AGO), no_worker(LONG_AGO)),
     "code not stored": (sa.update(Run).values(flown=None), NOT_STORED),
     "own component": (
         sa.update(Run).values(flown=FLOWN | {"components": {"a.py": "0"}}),
@@ -136,7 +139,7 @@ SUSPECT: dict[str, tuple[sa.Update, str]] = {
 }  # fmt: skip
 
 
-@pytest.mark.parametrize("cause", nightly_but(("code",), SUSPECT))  # by day texts of one place: the tests below
+@pytest.mark.parametrize("cause", nightly_but(("code", "no live worker"), SUSPECT))  # by day one place: tests below
 def test_suspect_is_stated_in_every_place(
     service: Service, client: httpx.Client, signed: str, cause: str, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -40,7 +40,7 @@ def arrive(service: Service, *names: str, run: int | None = None) -> None:
     with service.engine.begin() as connection:
         for name in names:
             workers.arrive(connection, name)
-            workers.beat(connection, name, run)
+            workers.beat(connection, name, run, installation="here")
 
 
 def silent(service: Service, name: str, seconds: float) -> None:

@@ -72,7 +72,7 @@ function Code({ record }: { record: RunComponents }) {
   if (code)
     return (
       <p className="sec">
-        Simulated by code <Digest of={code} first={12} />. No worker has published the code that is installed now
+        Simulated by code <Digest of={code} first={12} />. No live worker reports the code that is installed now
         {unidentified.length > 0 && ` completely: ${unidentified.join(', ')}`}.
       </p>
     )
@@ -93,7 +93,7 @@ function Origin({ record }: { record: RunComponents }) {
   return (
     <>
       <p className="sec">
-        Stored with the run, from Clearance {catalogue.version}: sha256 <Digest of={digest} />.{changes.length === 0 && (sameCode(record) ? ' The installed components are the same.' : ' The installed texts are the same.')}
+        Stored with the run, from Clearance {catalogue.version}: sha256 <Digest of={digest} />.{changes.length === 0 && (sameCode(record) ? ' The installed components are the same.' : ' The texts that a worker published last are the same.')}
       </p>
       {changes.length > 0 && (
         <div className={clsx(cards.note, cards.warn)}>

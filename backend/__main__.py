@@ -97,7 +97,7 @@ def main() -> int:
         for sentence in filter(None, [*Settings.unknown(os.environ), unbuilt(settings.pages)]):
             logging.getLogger("clearance").warning(sentence)
         keep_private(settings.data, settings.database_url)
-        with alone(settings.data, "backend.lock"):
+        with alone(settings.data, settings.database_url, "backend.lock"):
             away = awaited(settings.database_url)
             listening = _listen(settings)
             if away is None or until_it_answers(settings, away, listening, _waiting):

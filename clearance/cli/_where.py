@@ -239,9 +239,9 @@ def counted(number: int, what: str) -> str:
 
 
 @contextmanager
-def alone(data: Path) -> Iterator[None]:
-    """Locks the data folder against another `clearance serve`; an error if a service without one uses it."""
-    with locks.alone(data, "serve.lock"):
-        with locks.alone(data, "backend.lock"):
+def alone(data: Path | None, url: str) -> Iterator[None]:
+    """Locks data folder and database against another `clearance serve`; an error if a service without one uses them."""
+    with locks.alone(data, url, "serve.lock"):
+        with locks.alone(data, url, "backend.lock"):
             pass  # free for the service that is started next
         yield

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from contextlib import nullcontext
 from pathlib import Path
 from typing import Annotated
 
@@ -26,7 +25,7 @@ def restore(
     if not yes and not confirmed(f"Replace the database {shown}?"):
         typer.echo("Nothing was changed.")
         return
-    with alone(data) if data.is_dir() else nullcontext():
+    with alone(data if data.is_dir() else None, url):
         found = put_back(url, file)
     typer.echo(f"Restored {file}." + (f" The former database is {found.former}." if found.former else ""))
     typer.echo(_numbering(found.numbers))

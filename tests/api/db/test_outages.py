@@ -16,7 +16,7 @@ import sqlalchemy as sa
 from backend.db import beside, damage
 from backend.db.alone import alone
 from backend.db.beside import SENTENCE
-from backend.db.engine import connect, migrate
+from backend.db.engine import connect, default_url, migrate
 from backend.db.outages import DatabaseOutage, worded
 from backend.db.revision import newest
 from clearance.cli import INTERNAL, WRONG_INPUT, invoke
@@ -215,8 +215,39 @@ def test_a_second_service_on_the_same_folder_is_refused(
     tmp_path.chmod(0o700)
     monkeypatch.setenv("CLEARANCE_DATA", str(tmp_path))
     monkeypatch.setenv("CLEARANCE_PORT", "0")
-    with alone(tmp_path, "backend.lock"):
+    with alone(tmp_path, default_url(tmp_path), "backend.lock"):
         assert main() == 2
         assert invoke(["serve", "--data", str(tmp_path), "--port", "0"]) == WRONG_INPUT
     said = capsys.readouterr().err
     assert said.count("(process ") == 2
+
+
+@pytest.mark.parametrize("linked", [False, True])
+def test_a_service_with_another_folder_is_refused_on_the_same_file(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, linked: bool
+) -> None:
+    """And so is a restore, with or without a data folder."""
+    from backend.__main__ import main
+
+    one, other = (tmp_path / name for name in ("one", "other"))
+    for folder in (one, other):
+        folder.mkdir(mode=0o700)
+    url = file = default_url(one)
+    if linked:
+        (tmp_path / "link").symlink_to(one)
+        file = default_url(tmp_path / "link")
+    connect(url).dispose()
+    (backup := tmp_path / "backup").touch()
+    monkeypatch.setenv("CLEARANCE_DATA", str(other))
+    monkeypatch.setenv("CLEARANCE_DATABASE", file)
+    monkeypatch.setenv("CLEARANCE_PORT", "0")
+    with alone(one, url, "backend.lock"):
+        assert main() == 2
+        assert invoke(["serve", "--data", str(other), "--database", file, "--port", "0"]) == WRONG_INPUT
+        for data in (other, tmp_path / "none"):
+            saved = ["restore", str(backup), "--yes", "--data", str(data), "--database", file]
+            assert invoke(saved) == WRONG_INPUT
+    said = capsys.readouterr().err
+    assert said.count(f"{one / 'clearance.sqlite3'} is in use by a service (process ") == 4
+    with alone(other, default_url(other), "backend.lock"), alone(one, file, "backend.lock"):
+        pass  # another file is another service

@@ -29,7 +29,7 @@ from worker.running.processes.lifeline import Wakeup
 from worker.running.processes.serving import Server, Servers
 
 PATIENCE = 300.0
-"""How long the service may take to start [s]."""
+"""How long the service may take to start, and after which it does not wait for a worker any more [s]."""
 
 UNUSABLE_SETTINGS = 2
 """The exit code of a backend that cannot start because of its settings."""
@@ -65,7 +65,7 @@ def serve(
     with on_disk(f"the folder {data} cannot be used"):
         keep_private(data, database)
     url = url_of(data, database)
-    with alone(data), _reserved(host, port) as reserved:
+    with alone(data, url), _reserved(host, port) as reserved:
         port = reserved.getsockname()[1]
         if away := awaited(url):
             _say(f"The service and its workers start, {sentence(away)}")
@@ -92,11 +92,11 @@ class _Serving:
         listen = {**here, "CLEARANCE_HOST": host, "CLEARANCE_PORT": str(port), "CLEARANCE_PRINT_LINK": "false"}
         python = [sys.executable, "-P", "-m"]
         logs = data / "logs"
-        self.backend = Server("backend", [*python, "backend"], listen, logs / "backend.log", signal.SIGKILL)
+        self.backend = Server("The backend", [*python, "backend"], listen, logs / "backend.log", signal.SIGKILL)
         # A worker that loses its parent still returns its run to the queue; its child processes die with it.
         worker = [*python, "clearance", "worker"]
         self.workers = [
-            Server(f"worker {i}", worker, here, logs / f"worker-{i}.log", signal.SIGTERM, final=DRAINED)
+            Server(f"Worker {i}", worker, here, logs / f"worker-{i}.log", signal.SIGTERM, final=DRAINED)
             for i in range(1, number + 1)
         ]
         self.servers = Servers([self.backend, *self.workers], wakeup, _say)
@@ -111,7 +111,7 @@ class _Serving:
             if code is None:
                 for sentence in self.backend.warnings():
                     _say(f"Warning: {sentence}")
-                self._welcome()
+                self._welcome(begun)
                 while self.wakeup.signal is None:
                     self.servers.watch(1.0)
                 code = self._interrupted()
@@ -122,8 +122,8 @@ class _Serving:
             _say("Stopped.")
 
     def _wait_until_healthy(self, begun: float) -> int | None:
-        """Wait for the service: None once the backend answers and a worker has published its catalogue; an exit code if
-        that fails."""
+        """None once the backend answers, and a worker has published its catalogue or is late; an exit code if the
+        backend fails."""
         deadline = time.monotonic() + PATIENCE
         healthy = offered = False
         while not (healthy and offered):
@@ -134,8 +134,9 @@ class _Serving:
                 return self._interrupted()
             if time.monotonic() > deadline:
                 late = self.workers[0] if healthy else self.backend
-                _say(f"The {late.name} did not start within {PATIENCE:g} s. From {late.log}:\n{late.tail()}")
-                return INTERNAL
+                who = "No worker has" if healthy else "The backend has not"
+                _say(f"{who} started within {PATIENCE:g} s. From {late.log}:\n{late.tail()}")
+                return None if healthy else INTERNAL  # workers are started again while the service runs
             healthy = healthy or _answers(f"{self.address}/api/v1/health")
             if not healthy and _answers(f"{self.address}/api/v1/health/live"):  # it waits for the database
                 deadline = time.monotonic() + PATIENCE
@@ -146,11 +147,13 @@ class _Serving:
         with reading(self.url) as connection:
             return workers.published(connection) or 0.0
 
-    def _welcome(self) -> None:
+    def _welcome(self, begun: float) -> None:
         with connected(self.url) as engine, engine.begin() as connection:
             code = access.create_login_code(connection)
         link = f"{(self.data / ADDRESS_FILE).read_text().strip()}/login?code={code}"
-        _say("\nClearance is ready. Open this link to log in (it can be used once, within 15 minutes):\n")
+        missing = bool(self.workers) and self._published() < begun
+        ready = "The service is ready, and runs nothing until a worker has started" if missing else "Clearance is ready"
+        _say(f"\n{ready}. Open this link to log in (it can be used once, within 15 minutes):\n")
         _say(f"    {link}\n")
         _say("For a new link: clearance login-link. To stop: Ctrl-C.")
 

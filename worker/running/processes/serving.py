@@ -36,9 +36,9 @@ WARNING = "WARNING clearance: "
 
 @dataclass
 class Server:
-    """One process to run: its name, command and log."""
+    """One process to run: what it is called at the beginning of a sentence, its command and log."""
 
-    name: str
+    title: str
     command: Sequence[str]
     environment: Mapping[str, str]
     log: Path
@@ -138,12 +138,12 @@ class Servers:
         lifeline.kill_group(server.process)
         server.process, server.status = None, status
         if status == server.final:
-            self.report(f"The {server.name} has ended as it was asked to; it is not started again.")
+            self.report(f"{server.title} has ended as it was asked to; it is not started again.")
             self.servers = [one for one in self.servers if one is not server]
             return False
         server.pause = 0.0 if at - server.started > STEADY else min(LONGEST_PAUSE, max(0.5, 2 * server.pause))
         server.due = at + server.pause
         how = lifeline.how_it_ended(status)
-        self.report(f"The {server.name} {how}; restarting it in {server.pause:g} s. From {server.log}:")
+        self.report(f"{server.title} {how}; restarting it in {server.pause:g} s. From {server.log}:")
         self.report(server.tail())
         return True

@@ -321,13 +321,13 @@ class Supervisor:
                 self._beat_due(None)
             how = f"did not start within {START:g} s"
         except ChildEndedError as ended:
-            how = str(ended)
+            how = f"{ended} before it was ready"
         self._drop_child()
         if self._wakeup.signal is None:
             self._failures += 1
             if self._failures >= MOST_FAILURES:
-                raise RuntimeError(f"the worker process {how} before it was ready, {self._failures} times in a row")
-            log.error("the worker process %s before it was ready; restarting it", how)
+                raise RuntimeError(f"the worker process {how}, {self._failures} times in a row")
+            log.error("the worker process %s; starting it again", how)
             self._wakeup.wait(0.5 * 2**self._failures)
         return None
 

@@ -54,7 +54,7 @@ WAYS: dict[str, Callable[[Floats], Floats]] = {
     "single": lambda d: np.maximum(d, 0.3).astype(np.float32),
 }
 [RULE] = [one for one in RULES if one.code == CheckCode.RESOLUTION]
-THRESHOLDS = {"rounded": 0.88, "rounded up": 0.88, "of a foot": 0.84, "written": 0.88, "to quarters": 0.7, "single": 0.3}
+THRESHOLDS = dict.fromkeys(WAYS, 0.88) | {"of a foot": 0.84, "to quarters": 0.7, "single": 0.3}
 
 
 def distance(x: Floats, y: Floats) -> Floats:

@@ -110,7 +110,7 @@ def begin(
     run_id = succeed(connection, old, campaign, most(campaign), catalogue)
     for position, stage in enumerate(planned):
         columns = carried.get(position)
-        row = {"run_id": run_id, "position": position, **vars(stage)}
+        row = {"run_id": run_id, "position": position, **stage._asdict()}
         connection.execute(sa.insert(Stage).values(**row, **({} if columns is None else _counts(columns))))
         if columns is not None:
             best, index = lowest(columns)

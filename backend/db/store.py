@@ -156,7 +156,7 @@ class RunStore:
         fenced(connection, self.claim, fence=self.claim.fence)
         rows = connection.execute(sa.select(Stage).where(Stage.run_id == self._run).order_by(Stage.position)).all()
         if not rows:
-            plans = [{"run_id": self._run, "position": i, **vars(stage)} for i, stage in enumerate(stages)]
+            plans = [{"run_id": self._run, "position": i, **stage._asdict()} for i, stage in enumerate(stages)]
             connection.execute(sa.insert(Stage), plans)
             return [StageRecord(stage) for stage in stages]
         if [(row.kind, row.method) for row in rows] != [(stage.kind, stage.method) for stage in stages]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, NamedTuple
 
 from campaigns.claims import earlier
 from campaigns.claims.spans import Spans
@@ -18,6 +18,13 @@ from campaigns.stages.certify import CertifyResult
 from campaigns.stages.nominal import NominalResult
 
 TERMS = earlier.Terms({"d_min": "d_min", "vehicle.m": "m", "vehicle.J": "J"}, {"m", "s"})
+
+
+class Marks(NamedTuple):
+    """What a verdict in large states besides its word."""
+
+    not_sampled: bool | None = None
+    earlier_rules: bool | None = None
 
 
 def statement(text: str) -> Spans:

@@ -15,6 +15,7 @@ import yaml
 from backend.db.tables import Run
 from campaigns.claims.numbers import signed
 from campaigns.results.finding import HalfStep
+from campaigns.results.verdict import headline
 from clearance.cli import INTERNAL, VIOLATED, WRONG_INPUT
 from clearance.cli._exports import LIST
 from tests import results
@@ -24,6 +25,7 @@ from tests.given.row_changes import changed
 from tests.given.service import Service
 from tests.given.small_catalogue import campaign
 from tests.given.submissions import submit
+from tests.results import Marks
 
 Command = Callable[..., int]
 
@@ -105,7 +107,7 @@ def test_runs_are_cancelled(
     assert statement(capsys).splitlines() == ["R-0003 cancelled", "R-0001 done: violated"]
     with changed(service.engine, sa.update(Run).where(Run.id == 1).values(verdict="cleared", summary={})):
         assert command("cancel", violated) == 0
-        assert statement(capsys) == "R-0001 done: cleared: not sampled, earlier rules\n"
+        assert statement(capsys) == f"R-0001 done: {headline('cleared', Marks(True, True), None)}\n"
     assert command("cancel", "R-0002", "../x") == WRONG_INPUT
     capsys.readouterr()
     assert command("runs", "--state", "queued", "--json") == 0

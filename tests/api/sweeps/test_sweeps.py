@@ -17,6 +17,7 @@ from backend.db.tables import Audit, Run
 from campaigns import Campaign
 from campaigns.claims.lowest_value import unconfirmed
 from campaigns.claims.spans import words
+from campaigns.results.verdict import headline
 from clearance.cli import _sweep
 from clearance.cli._following import plain
 from clearance.client.answers import Sweep
@@ -27,6 +28,7 @@ from tests.given.reported_runs import finish_fully
 from tests.given.row_changes import changed
 from tests.given.service import Service
 from tests.given.small_catalogue import campaign
+from tests.results import Marks
 
 JSON = {"content-type": "application/json"}
 
@@ -178,7 +180,7 @@ def test_numbers_only_of_runs_that_are_done(service: Service, client: httpx.Clie
     assert [row["P(violation) bound source"] or "" for row in rows] == ["certify", *[""] * 5]
     with changed(service.engine, sa.update(Run).where(Run.id == 1).values(verdict="cleared", summary={})):
         (row, *_) = csv.DictReader(io.StringIO(client.get("/api/v1/sweeps/S-0001/table.csv").text))
-    assert row["verdict"] == "cleared: not sampled, earlier rules"
+    assert row["verdict"] == headline("cleared", Marks(True, True), None)
 
 
 def test_a_removed_run_is_stated_in_the_table(service: Service, client: httpx.Client) -> None:

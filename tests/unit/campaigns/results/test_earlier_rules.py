@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
-
 import pytest
 
 from campaigns.claims.wording import CLEARING, WORDING
 from campaigns.results.verdict import Provenance, VerdictWord, earlier_rules, headline
 from tests import results
+from tests.results import Marks
 from worker.evidence.audit import limits
 
 
@@ -27,20 +26,14 @@ def test_what_earlier_rules_cleared(word: VerdictWord, version: int | None) -> N
     assert "earlier_rules" not in verdict.model_dump(), "it is no part of a result: that is of one version"
 
 
-class Marks(NamedTuple):
-    not_sampled: bool | None = None
-    earlier_rules: bool | None = None
-
-
 @pytest.mark.parametrize(
-    ("marks", "policy", "stated"),
+    ("marks", "policy", "rest"),
     [
-        (Marks(), None, "cleared"),
-        (Marks(True), None, "cleared: not sampled"),
-        (Marks(False, True), "holds", "cleared: earlier rules"),
-        (Marks(True, True), "fails", "cleared: not sampled, earlier rules, policy fails"),
-        (Marks(), "fails", "cleared, policy fails"),
+        (Marks(), None, []),
+        (Marks(True), None, ["not sampled"]),
+        (Marks(False, True), "holds", ["earlier rules"]),
+        (Marks(True, True), "fails", ["not sampled", "earlier rules", "policy fails"]),
     ],
 )
-def test_a_verdict_in_large(marks: Marks, policy: str | None, stated: str) -> None:
-    assert headline("cleared", marks, policy) == stated
+def test_a_verdict_in_large(marks: Marks, policy: str | None, rest: list[str]) -> None:
+    assert headline("cleared", marks, policy) == ": ".join(filter(None, ["cleared", ", ".join(rest)]))

@@ -22,7 +22,7 @@ from campaigns.results.baselines import CannotCompare, with_baseline
 from campaigns.results.regression import FindingChange, Regression, Standing
 from campaigns.results.stage import Reevaluated
 from campaigns.results.validate import CaseBasin, Downhill, Line
-from campaigns.results.verdict import Check, VerdictWord
+from campaigns.results.verdict import Check, VerdictWord, headline
 from campaigns.stages.baseline import BaselineResult
 from clearance.cli._ended import EndedRun, by_policy, changes, code, exit_sentence
 from clearance.cli._junit import junit
@@ -30,6 +30,7 @@ from clearance.cli._markdown import markdown
 from clearance.testing.problems import Problem
 from tests.given import verdict_evidence as given
 from tests.given.case_campaigns import campaign, document
+from tests.results import Marks
 from worker.evidence.verdicts.regression import regression
 
 AT = {"vehicle.m": 6.0, "vehicle.J": 0.06}
@@ -555,7 +556,7 @@ def test_the_summary_is_markdown_in_which_no_text_is_markup() -> None:
     text = markdown(ended(found, notes=("<img src=x> [a](b) | `c`",)))
     first, _, second = text.splitlines()[:3]
     assert first == f"## ❌ Case \\<1\\> &amp; more: exit code 1: {by_policy(concluded(found, 'cleared'))}"
-    assert second.startswith("**Cleared, policy fails**, ")
+    assert second.startswith(f"**{headline('Cleared', Marks(), 'fails')}**, ")
     assert "\\<img src=x\\> \\[a\\](b) \\| \\`c\\`" in text
     assert "branch = feature\\|x" in text
     (row,) = [line for line in text.splitlines() if line.startswith("| F1 of")]

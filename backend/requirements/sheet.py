@@ -20,7 +20,7 @@ _MATRIX = (
     "requirement", "text", "status", "why", "run", "counts", "campaign", "verdict", "quantity", "unit", "threshold",
     "worst", "margin", "p_violation_bound", "campaign_sha256", "code_sha256",
     "evidence_sha256", "date", "signed", "signed_by", "suspect",
-    "changes", "role", "p_violation_bound_source", "policy",
+    "changes", "role", "p_violation_bound_source", "policy", "excluded_samples", "excluded_fraction",
 )  # fmt: skip
 
 
@@ -70,6 +70,7 @@ def _run(run: RequirementRun) -> list[object]:
         run.evidence_digest or "",
         _date(run.finished or run.created), "yes" if run.signed else "no", signed, "yes" if run.suspect else "no",
         "; ".join(run.changes), run.role, run.bound_source or "", run.policy or "",
+        *("" if number is None else repr(number) for number in (run.excluded_samples, run.excluded_fraction)),
     ]  # fmt: skip
 
 

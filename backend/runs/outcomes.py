@@ -57,6 +57,11 @@ class Outcome(Schema):
     """`certify`: the independent sample of the certify stage. `certify_stated`: the same with a stated seed, which
     a user may have chosen. `search`: there is no certify stage, and the sample is a random search with the seed of
     the campaign. Nothing is cleared by the last two. Null without a bound."""
+    excluded_samples: int | None = None
+    """Draws of that sample that were excluded, of which the bound says nothing, or which it counts as no violations;
+    null without a bound, and in results of earlier versions."""
+    excluded_fraction: float | None = None
+    """Of all draws of that sample."""
     violations: int | None
     failed_samples: int | None
     """Of the violations: samples without a value, because their evaluation failed."""
@@ -117,6 +122,8 @@ def _outcome(row: Any, measured: quantities.Measured) -> Outcome:
         id=run_name(row.id),
         margin=values["worst_cost"] - row.threshold if known else None,
         bound_source=sample.bound_source if done else None,
+        excluded_samples=sample.excluded_samples if done else None,
+        excluded_fraction=sample.excluded_fraction if done else None,
         quantity=measured.quantity,
         unit=measured.unit,
         code=None if own is None else own.digest,

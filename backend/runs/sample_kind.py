@@ -1,4 +1,5 @@
-"""The sample of a run's bound, and whether nothing but an independent one is missing to clear it.
+"""The sample of a run's bound with the draws that it leaves out, and whether nothing but an independent one is missing
+to clear it.
 
 The single source for lists and comparisons.
 """
@@ -25,6 +26,7 @@ COLUMNS = (
     sa.case((Run.verdict == VerdictWord.INCONCLUSIVE, Run.summary["checks"].as_string())).label("checks"),
     Run.summary["statistics", "source"].as_string().label("source"),
     Run.summary["statistics", "samples"].as_integer().label("samples"),
+    Run.summary["statistics", "excluded"].as_integer().label("excluded_draws"),
     STATED.label("stated"),
 )
 """The columns that `of` needs besides state, verdict and bound. A check of a cleared run does not fail, and in a
@@ -36,12 +38,18 @@ class Sampled(NamedTuple):
 
     not_sampled: bool
     bound_source: BoundSource | None
+    excluded_samples: int | None
+    excluded_fraction: float | None
 
 
 def of(row: Any) -> Sampled:
     drawn = row.samples or 0 if row.source == "certify" else 0
     lacks = row.state == RunState.DONE and not_sampled(row.verdict, _failing(row.checks), drawn)
-    return Sampled(lacks, None if row.upper_bound is None else _source(row))
+    if row.upper_bound is None:
+        return Sampled(lacks, None, None, None)
+    excluded = row.excluded_draws
+    fraction = None if excluded is None else excluded / max(1, excluded + (row.samples or 0))
+    return Sampled(lacks, _source(row), excluded, fraction)
 
 
 def _source(row: Any) -> BoundSource:

@@ -210,6 +210,11 @@ class RunSummary(Schema):
     """`certify`: the independent sample of the certify stage. `certify_stated`: the same with a stated seed, which
     a user may have chosen. `search`: there is no certify stage, and the sample is a random search with the seed of
     the campaign. Nothing is cleared by the last two. Null without a bound."""
+    excluded_samples: int | None = None
+    """Draws of that sample that were excluded, of which the bound says nothing, or which it counts as no violations;
+    null without a bound, and in results of earlier versions."""
+    excluded_fraction: float | None = None
+    """Of all draws of that sample."""
     policy: PolicyWord | None = None
     """What the campaign's policy says of the changes since the baseline: `holds`; `fails`, which is exit code 1
     whatever the verdict; `accepts`, a violated run whose violations were all known. Null without a comparison."""

@@ -103,8 +103,9 @@ def _line(found: Sweep, point: SweepPoint) -> str:
     bound = outcome.upper_bound
     most = "" if bound is None else written(bound, form=Format.AT_MOST, digits=3)
     sure = written(outcome.confidence or 0.0, form=Format.AT_LEAST)
-    source = SOURCES.get(outcome.bound_source or "", "")
-    sampled = "" if bound is None else f", P(violation) at most {most} ({sure} confidence{source})"
+    source, fraction = SOURCES.get(outcome.bound_source or "", ""), outcome.excluded_fraction
+    excluded = f", {written(fraction, form=Format.PROBABILITY, digits=3)} of draws excluded" if fraction else ""
+    sampled = "" if bound is None else f", P(violation) at most {most} ({sure} confidence{source}{excluded})"
     return f"{start}  {headline(str(outcome.verdict), outcome, outcome.policy)}{margin}{sampled}{removed}"
 
 

@@ -256,6 +256,12 @@ class Run(RunAnswer):
     user may have chosen. `search`: there is no certify stage, and the sample is a random search with the seed of the
     campaign. Nothing is cleared by the last two. None without a bound.
     """
+    excluded_samples: int | None = None
+    """Draws of that sample that were excluded, of which the bound says nothing, or which it counts as no violations;
+    None without a bound, and in results of earlier versions.
+    """
+    excluded_fraction: float | None = None
+    """Of all draws of that sample."""
     policy: str | None = None
     """What the campaign's policy says of the changes since the baseline: `holds`; `fails`, which is exit code 1
     whatever the verdict; `accepts`, a violated run whose violations were all known. None without a comparison.
@@ -537,6 +543,12 @@ class Outcome(Answer):
     user may have chosen. `search`: there is no certify stage, and the sample is a random search with the seed of the
     campaign. Nothing is cleared by the last two. None without a bound.
     """
+    excluded_samples: int | None = None
+    """Draws of that sample that were excluded, of which the bound says nothing, or which it counts as no violations;
+    None without a bound, and in results of earlier versions.
+    """
+    excluded_fraction: float | None = None
+    """Of all draws of that sample."""
     violations: int | None = None
     failed_samples: int | None = None
     """Of the violations: samples without a value, because their evaluation failed."""

@@ -5,6 +5,7 @@
 
 from __future__ import annotations
 
+import importlib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -123,14 +124,19 @@ class Evaluations:
 
         Raises ImportError with a sentence if pandas is not installed.
         """
-        from clearance.client.arrays import table
-
+        try:
+            pandas = importlib.import_module("pandas")
+        except ImportError:
+            raise ImportError(
+                "to_dataframe needs pandas, which is not installed: pip install pandas; "
+                "points, costs, status and method have the same data as arrays"
+            ) from None
         columns: dict[str, object] = dict(zip(self.names, self.points.T, strict=True))
         reasons = np.array([self.reasons.get(k, "") for k in range(len(self.costs))], dtype=object)
         for name in ("cost", "status", "stage", "method", "reason"):
             value = {"cost": self.costs, "reason": reasons}.get(name, getattr(self, name, None))
             columns[name + "_" * (name in self.names)] = value
-        return table(columns)
+        return pandas.DataFrame(columns)
 
     def __repr__(self) -> str:
         excluded = int((self.status == "excluded").sum())

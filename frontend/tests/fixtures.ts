@@ -77,7 +77,7 @@ export const run = like<RunDetail>({
   campaign_name: 'a campaign', campaign_digest: '00', quantity: 'd_min', unit: 'm', threshold: 1, nominal_cost: null,
   worst_cost: null, margin: null, worst_method: null, evaluations: 0, planned: 0, failed_evaluations: 0,
   excluded_evaluations: 0, created: 0, started: null, finished: null, stage: null, attempts: 1, worker: null,
-  continues: null, pinned: false, best_so_far: [], upper_bound: null, bound_source: null, policy: null, removed: null, removed_by: null,
+  continues: null, pinned: false, best_so_far: [], upper_bound: null, bound_source: null, excluded_samples: null, excluded_fraction: null, policy: null, removed: null, removed_by: null,
   removed_reason: null, group: null, superseded_by: null, notes: '',
   campaign: {
     version: 1, name: 'a campaign', summary: '', notes: '', tags: [],

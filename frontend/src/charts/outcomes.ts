@@ -85,7 +85,7 @@ export function boundsOf(points: readonly At[], axis: Axis, height: number, sync
   const observed = points.map(({ outcome }) => part(fractionOf(outcome)))
   const highest = Math.max(...bounds.map((bound) => bound ?? 0), ...observed.map((fraction) => fraction ?? 0))
   const lines: Line[] = [
-    { key: 'bound', label: boundName(points), colour: '--c-bound', y: bounds, texts: points.map(({ outcome }) => boundText(outcome?.upper_bound, outcome?.bound_source)), dots: true },
+    { key: 'bound', label: boundName(points), colour: '--c-bound', y: bounds, texts: points.map(({ outcome }) => boundText(outcome ?? {})), dots: true },
     { key: 'observed', label: observedName(points), colour: '--c-nom', y: observed, dots: true },
   ]
   return {

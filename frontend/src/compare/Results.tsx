@@ -6,7 +6,7 @@ import { Card } from '../ui/Card'
 import { Sign } from '../ui/Sign'
 import { Table } from '../ui/Table'
 import { RunBadge } from '../ui/VerdictBadge'
-import { boundOf, boundSourceOf, type Compared, unitOf } from './data'
+import { boundOf, boundConditionsOf, type Compared, unitOf } from './data'
 import { apartColumn, runColumns } from './Picks'
 
 interface Line {
@@ -104,7 +104,7 @@ function linesOf(runs: Compared[]): Line[] {
       unit: '',
       decimals: 0,
       values: runs.map(boundOf),
-      notes: runs.map(boundSourceOf),
+      notes: runs.map(boundConditionsOf),
       text: (bound) => atMost(bound),
       apart: (difference) => `${difference > 0 ? '+' : ''}${probability(difference)}`,
     },

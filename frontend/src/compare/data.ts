@@ -3,7 +3,7 @@ import { useQueries } from '@tanstack/react-query'
 import { asCampaign, hasScenario } from '../api/campaign'
 import { componentsQuery, evaluationsQuery, findingsQuery, runQuery, stagesQuery, traceQuery } from '../api/queries'
 import type { Catalogue, Evaluations, FindingDetail, RunDetail, StageDetail, TraceData } from '../client'
-import { sourceOf } from '../format/counts'
+import { conditionsOf } from '../format/counts'
 import { worstOf } from '../run/data/chosen'
 import { uncertainOf, type UncertainParameter } from '../run/data/data'
 import { DASHES, LETTERS } from './search'
@@ -81,7 +81,7 @@ export function useCompared(ids: readonly string[]): Comparison {
 const traceOf = (id: string, name: string, traced: boolean) => ({ ...traceQuery(id, name), enabled: traced, retry: false })
 
 export const boundOf = ({ run }: Compared): number | null => run.summary?.statistics?.upper_bound ?? null
-export const boundSourceOf = ({ run }: Compared): string => sourceOf(run.bound_source)
+export const boundConditionsOf = ({ run }: Compared): string => conditionsOf(run)
 
 /** The description of a parameter in the first run that has it. */
 export const parameterOf = (runs: readonly Compared[], path: string): UncertainParameter | undefined =>

@@ -1,7 +1,7 @@
 // Texts on the numbers of evaluations, failures and exclusions of a run; the counts come from the run itself and are
 // therefore the same everywhere.
 import type { Outcome, RunSummary, StageProgress } from '../client'
-import { atMost, count } from './numbers'
+import { atMost, count, probability } from './numbers'
 
 export type Counted = Pick<RunSummary, 'evaluations' | 'failed_evaluations' | 'excluded_evaluations'>
 
@@ -38,9 +38,15 @@ export const STATED_SEED = 'stated seed'
 export const sourceOf = (source: BoundSource): string =>
   source === 'search' ? 'random search' : source === 'certify_stated' ? STATED_SEED : ''
 
-/** At most 1 %, or "1 %, random search" and "1 %, stated seed", by which nothing is cleared. */
-export const boundText = (bound: number | null | undefined, source: BoundSource): string =>
-  [atMost(bound), bound != null && sourceOf(source)].filter(Boolean).join(', ')
+export type Bounded = Partial<Pick<Outcome, 'upper_bound' | 'bound_source' | 'excluded_fraction'>>
+
+/** What a bound rests on, and the draws that it leaves out: it holds only for the others, or counts them as no violations. */
+export const conditionsOf = ({ bound_source: source, excluded_fraction: excluded }: Bounded): string =>
+  [sourceOf(source), excluded ? `${probability(excluded)} of draws excluded` : ''].filter(Boolean).join(', ')
+
+/** At most 1 %, or "1 %, random search" and "1 %, stated seed", by which nothing is cleared; "1 %, 75 % of draws excluded". */
+export const boundText = (bounded: Bounded): string =>
+  [atMost(bounded.upper_bound), bounded.upper_bound != null && conditionsOf(bounded)].filter(Boolean).join(', ')
 
 interface Sample {
   samples: number

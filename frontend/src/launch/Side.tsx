@@ -95,7 +95,7 @@ export function Estimate({ checked, campaign }: EstimateProps) {
         {bound && (
           <>
             <dt>Bound on P(violation), at best</dt>
-            <dd>≤ {boundText(bound.upper_bound, bound.source)}</dd>
+            <dd>≤ {boundText({ upper_bound: bound.upper_bound, bound_source: bound.source })}</dd>
           </>
         )}
         {target !== null && (

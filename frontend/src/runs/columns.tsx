@@ -3,7 +3,7 @@ import { clsx } from 'clsx'
 import { IconAlertTriangle } from '@tabler/icons-react'
 import type { ReactNode } from 'react'
 import type { RunSummary } from '../client'
-import { sourceOf, unknownOf, withoutValue } from '../format/counts'
+import { conditionsOf, unknownOf, withoutValue } from '../format/counts'
 import { atMost, count, decimalsFor, duration, exact, margin, NONE } from '../format/numbers'
 import { launchedBy } from '../format/people'
 import { MarginBar } from '../ui/bars'
@@ -96,7 +96,7 @@ const TABLE = {
       ) : (
         <span className="sec">
           ≤ {atMost(run.upper_bound)}
-          {sourceOf(run.bound_source) && <div className="mut small">{sourceOf(run.bound_source)}</div>}
+          {conditionsOf(run) && <div className="mut small">{conditionsOf(run)}</div>}
         </span>
       ),
   },

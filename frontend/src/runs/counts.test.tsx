@@ -82,6 +82,20 @@ it.each(['certify', 'certify_stated', 'search'] as const)('states what a bound r
   for (const [place, html] of Object.entries(places)) expect([place, sourcesIn(html)]).toEqual([place, SOURCES[bound_source]])
 })
 
+it('states what a bound leaves out in every place', () => {
+  const of = { ...RUN, upper_bound: 0.01, bound_source: 'certify', excluded_fraction: 0.75 } as const
+  const outcome = of as unknown as Outcome
+  const compared = [{ id: 'R-0001', letter: 'A', dash: [], findings: [], parameters: [], stages: [], run: of }]
+  const places = [
+    cell('bound', of),
+    boundOf(outcome),
+    String(boundsOf([{ x: 0, run: '', outcome }], { xTitle: '', xText: String }, 200, 's')?.lines[0]?.texts),
+    renderToStaticMarkup(<Results runs={compared as unknown as Compared[]} />),
+  ]
+  for (const place of places) expect(text(place)).toMatch(/75.% of draws excluded/)
+  expect(cell('bound', { ...of, excluded_fraction: 0 })).not.toContain('excluded')
+})
+
 it('predicts the bound, what it rests on and what is out of reach before the launch, as the check answers', () => {
   const predicted = (predicted_bound: Checked['predicted_bound'], foreseen: Checked['foreseen'] = []) =>
     renderToStaticMarkup(<Estimate checked={{ estimate: null, predicted_bound, foreseen } as Checked} campaign={asCampaign(RUN.campaign)} />)

@@ -50,10 +50,11 @@ function Shown({ sweep }: { sweep: SweepDetail }) {
   }
   const data = () => ({
     name: 'sweep',
-    columns: [`${sweep.path}${unit && ` [${sweep.unit}]`}`, 'run', 'state', 'verdict', 'worst margin', 'unit', 'P(violation) upper bound', 'violations', 'of these failed', 'samples', 'bound source', 'removed', 'unconfirmed'],
+    columns: [`${sweep.path}${unit && ` [${sweep.unit}]`}`, 'run', 'state', 'verdict', 'worst margin', 'unit', 'P(violation) upper bound', 'violations', 'of these failed', 'samples', 'bound source', 'removed', 'unconfirmed', 'excluded samples', 'excluded fraction'],
     rows: sweep.points.map(({ value, run, outcome: o }) => [
       value, run, o?.state ?? 'purged', o && headlineOf(o), o?.margin ?? null, o?.unit ?? null, o?.upper_bound ?? null, o?.violations ?? null,
       o?.failed_samples ?? null, o?.samples ?? null, o?.bound_source ?? null, o && (o.removed ? 'yes' : 'no'), o?.unconfirmed ?? null,
+      o?.excluded_samples ?? null, o?.excluded_fraction ?? null,
     ]),
   })
   return (

@@ -96,11 +96,11 @@ function Shown({ trend }: { trend: Trend }) {
   const narrow = (label: string[] | undefined) => void navigate({ to: '/trends', search: { ...search, label }, replace: true })
   const data = () => ({
     name: 'trend',
-    columns: ['run', 'submitted', 'finished', 'state', 'verdict', 'seed', 'worst margin', 'unit', 'P(violation) upper bound', 'bound source', 'confidence', 'campaign', 'code', 'requirements', 'labels', 'policy', 'unconfirmed'],
+    columns: ['run', 'submitted', 'finished', 'state', 'verdict', 'seed', 'worst margin', 'unit', 'P(violation) upper bound', 'bound source', 'confidence', 'campaign', 'code', 'requirements', 'labels', 'policy', 'unconfirmed', 'excluded samples', 'excluded fraction'],
     rows: runs.map((run) => [
       run.id, rfc3339(run.created), run.finished === null ? null : rfc3339(run.finished), run.state, headlineOf({ ...run, policy: null }), run.seed,
       run.margin, run.unit, run.upper_bound, run.bound_source ?? null, run.confidence, run.campaign_digest, run.code, run.requirements.join('; '),
-      labelsText(run.labels, '; '), run.policy, run.unconfirmed,
+      labelsText(run.labels, '; '), run.policy, run.unconfirmed, run.excluded_samples ?? null, run.excluded_fraction ?? null,
     ]),
   })
   return (

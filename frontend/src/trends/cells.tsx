@@ -21,7 +21,7 @@ export const marginOf = (outcome: Outcome | null): string => {
 }
 
 export const boundOf = (outcome: Outcome | null): string =>
-  outcome?.upper_bound === null || outcome?.upper_bound === undefined ? NONE : `≤ ${boundText(outcome.upper_bound, outcome.bound_source)}`
+  outcome?.upper_bound === null || outcome?.upper_bound === undefined ? NONE : `≤ ${boundText(outcome)}`
 
 /** campaign: its name, shown where the run's is another one. */
 export function RunCell({ run, name, campaign = name }: { run: string; name?: string; campaign?: string }) {

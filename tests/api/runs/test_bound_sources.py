@@ -1,5 +1,5 @@
-"""What a bound on P(violation) rests on is the same wherever a run has its bound, and so is who drew a case that no
-search found. `PLACES` are the places: a further one is a row.
+"""What a bound on P(violation) rests on and leaves out is the same wherever a run has its bound, and so is who drew a
+case that no search found. `PLACES` are the places: a further one is a row.
 """
 
 from __future__ import annotations
@@ -34,12 +34,14 @@ from worker.running.runs.store import MemoryStore
 SOURCES: dict[str, tuple[dict[str, Any], dict[str, Any]]] = {
     "certify": ({}, {}),
     "certify_stated": ({"sample_seed": 5}, {}),
-    "search": ({}, {"statistics": SEARCHED}),
+    "search": ({}, {"statistics": SEARCHED.model_copy(update={"excluded": 1000})}),
     "": ({"sample_seed": 6}, {"statistics": None}),
 }
 """What is launched and how the run ends, by what its bound rests on; without a bound nothing."""
+EXCLUDED = {"certify": 0.0, "certify_stated": 0.0, "search": 0.25, "": None}
+"""The fraction of the draws that it leaves out."""
 
-Stated = Mapping[str, str | None]
+Stated = Mapping[str, tuple[str, float | None]]
 Place = Callable[[Service, httpx.Client, list[str]], Stated]
 
 
@@ -50,18 +52,18 @@ def answered(client: httpx.Client, path: str, **query: str) -> Any:
 
 
 def sources(runs: list[dict[str, Any]]) -> Stated:
-    return {run["id"]: run["bound_source"] for run in runs}
+    return {run["id"]: (run["bound_source"] or "", run["excluded_fraction"]) for run in runs}
 
 
-def column(client: httpx.Client, path: str, name: str) -> Stated:
+def columns(client: httpx.Client, path: str, source: str, excluded: str) -> Stated:
     rows = csv.DictReader(io.StringIO(client.get(f"/api/v1{path}").text))
-    return {row["run"]: row[name] for row in rows}
+    return {row["run"]: (row[source], float(row[excluded]) if row[excluded] else None) for row in rows}
 
 
-def reported(service: Service, run: str) -> str | None:
+def reported(service: Service, run: str) -> dict[str, Any]:
     with read(service.engine) as reader:
-        found = json.loads(body.ended(reader, run_number(run) or 0, ""))["data"]["bound_source"]
-    return None if found is None else str(found)
+        found = json.loads(body.ended(reader, run_number(run) or 0, ""))["data"]
+    return {**found, "id": run}
 
 
 def related(client: httpx.Client, runs: list[str]) -> Stated:
@@ -71,7 +73,8 @@ def related(client: httpx.Client, runs: list[str]) -> Stated:
 
 def read_by_client(service: Service, runs: list[str]) -> Stated:
     with Client(service.url, token=service.token()) as library:
-        return {run: library.run(run).bound_source for run in runs}
+        found = [library.run(run) for run in runs]
+    return {run.id: (run.bound_source or "", run.excluded_fraction) for run in found}
 
 
 PLACES: dict[str, Place] = {
@@ -82,17 +85,19 @@ PLACES: dict[str, Place] = {
         answered(client, "/trends", name=answered(client, f"/runs/{runs[0]}")["campaign_name"])["runs"]
     ),
     "matrix": lambda service, client, runs: sources(answered(client, "/requirements")["items"][0]["runs"]),
-    "matrix.csv": lambda service, client, runs: column(
-        client, "/requirements/export/matrix.csv", "p_violation_bound_source"
+    "matrix.csv": lambda service, client, runs: columns(
+        client, "/requirements/export/matrix.csv", "p_violation_bound_source", "excluded_fraction"
     ),
-    "webhook": lambda service, client, runs: {run: reported(service, run) for run in runs},
+    "webhook": lambda service, client, runs: sources([reported(service, run) for run in runs]),
     "client": lambda service, client, runs: read_by_client(service, runs),
 }
 SWEEPS: dict[str, Place] = {
     "sweep": lambda service, client, runs: sources(
         [point["outcome"] for point in answered(client, "/sweeps/S-0001")["points"]]
     ),
-    "sweep.csv": lambda service, client, runs: column(client, "/sweeps/S-0001/table.csv", "P(violation) bound source"),
+    "sweep.csv": lambda service, client, runs: columns(
+        client, "/sweeps/S-0001/table.csv", "P(violation) bound source", "excluded fraction"
+    ),
 }
 """The runs of a sweep are in no trend."""
 
@@ -105,11 +110,11 @@ def test_every_place_states_what_a_bound_rests_on(service: Service, client: http
         assert answer.status_code == 201, answer.text
         runs.append(str(answer.json()["id"]))
         finish_fully(service, **ended)
-    stated = dict(zip(runs, SOURCES, strict=True))
+    stated = {run: (source, EXCLUDED[source]) for run, source in zip(runs, SOURCES, strict=True)}
 
     def compare(places: Mapping[str, Place]) -> None:
         for name, place in places.items():
-            found = {run: source or "" for run, source in place(service, client, runs).items() if run in stated}
+            found = {run: words for run, words in place(service, client, runs).items() if run in stated}
             assert (name, found) == (name, stated)
 
     compare(PLACES)

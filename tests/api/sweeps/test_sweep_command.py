@@ -83,13 +83,14 @@ def test_a_line_states_what_its_bound_rests_on(submit: Submit, service: Service,
             writer.execute(sa.update(Run).where(Run.id == 2).values(sample_seed_stated=True))
         finish_fully(service)
         finish_fully(service)
-        finish_fully(service, statistics=SEARCHED)
+        finish_fully(service, statistics=SEARCHED.model_copy(update={"excluded": 1000}))
         yield None
 
     submit("--sweep", "avoider.d_0=1,2,3", work=work())
     lines = capsys.readouterr().out.splitlines()
     found = [[source for source, text in _sweep.SOURCES.items() if text in line] for line in lines]
     assert found == [[], ["certify_stated"], ["search"]]
+    assert ["25 % of draws excluded)" in line for line in lines] == [False, False, True]
 
 
 def test_progress_counts_each_run_once_and_lines_state_removed_runs(

@@ -10,11 +10,32 @@ from backend.runs import sample_kind
 from campaigns.results.verdict import Statistics
 
 
-def source(named: str | None, stated: bool, bound: float | None = 0.003) -> str | None:
+def sampled(
+    named: str | None, stated: bool, bound: float | None = 0.003, excluded: int | None = None
+) -> sample_kind.Sampled:
     row = SimpleNamespace(
-        source=named, stated=stated, upper_bound=bound, samples=1000, state="done", verdict="cleared", checks=None
+        source=named,
+        stated=stated,
+        upper_bound=bound,
+        samples=1000,
+        excluded_draws=excluded,
+        state="done",
+        verdict="cleared",
+        checks=None,
     )
-    return sample_kind.of(row).bound_source
+    return sample_kind.of(row)
+
+
+def source(named: str | None, stated: bool, bound: float | None = 0.003) -> str | None:
+    return sampled(named, stated, bound).bound_source
+
+
+@pytest.mark.parametrize(("excluded", "fraction"), [(None, None), (0, 0.0), (3000, 0.75)])
+def test_a_bound_names_the_draws_that_it_leaves_out(excluded: int | None, fraction: float | None) -> None:
+    found = sampled("certify", False, excluded=excluded)
+    assert (found.excluded_samples, found.excluded_fraction) == (excluded, fraction)
+    without = sampled("certify", False, None, excluded)
+    assert (without.excluded_samples, without.excluded_fraction) == (None, None)
 
 
 @pytest.mark.parametrize("named", ["certify", "search", None])

@@ -7,6 +7,7 @@ from typing import Any, TypeVar
 
 from campaigns import Campaign
 from campaigns.claims.say import say
+from campaigns.claims.wording import WORDING
 from campaigns.results import Finding, SearchResult, ValidateResult, Verdict
 from campaigns.results.base import MethodKind, Result, Stop
 from campaigns.results.finding import ClosestApproach, HalfStep, ReferenceCost, Validation
@@ -211,7 +212,7 @@ def _row(position: int, search: SearchResult, basin: str | None) -> Compared:
     )
 
 
-VERSIONS = Versions(clearance="test")
+VERSIONS = Versions(clearance="test", wording=WORDING)
 
 
 def concluded(campaign: Campaign | None = None, **changes: Any) -> Verdict:

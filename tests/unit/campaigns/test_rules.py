@@ -104,6 +104,7 @@ def test_the_audit_has_the_same_limits() -> None:
         "GRANTED",
         "NEAREST",
         "EACH",
+        "CLEARING",
         "TOP",
         "MANY",
         "RULES",

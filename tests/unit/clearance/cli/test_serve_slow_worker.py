@@ -26,10 +26,10 @@ def test_the_service_stays_up_without_a_worker(
     monkeypatch.setattr(serving.servers, "watch", lambda seconds: [])
     assert serving._wait_until_healthy(time.time()) == (None if healthy else INTERNAL)
     late = capsys.readouterr().out
-    assert late.startswith(("The backend has not", "No worker has")[healthy] + " started within 0.2 s")
+    assert ("backend" in late, "worker" in late, "0.2 s" in late) == (not healthy, healthy, True)
     if healthy:
         serving._welcome(time.time())
-        assert "until a worker has started. Open this link" in capsys.readouterr().out
+        assert "Open this link" in capsys.readouterr().out
 
 
 def test_a_worker_process_that_is_late_is_tried_again(tmp_path: Path) -> None:

@@ -37,7 +37,7 @@ def alone(data: Path | None, url: str, lock: Lock) -> Iterator[None]:
                 raise InUseError(f"the folder {data} cannot be written: {error.strerror}") from None
             _locked(file, lock, data, "--data")
         name = sa.make_url(url).database if url.startswith("sqlite") else None
-        if name and name != ":memory:":
+        if name and name != ":memory:" and not name.startswith("file:"):
             database = Path(name).resolve()
             with suppress(OSError):
                 database.parent.mkdir(mode=0o700, parents=True, exist_ok=True)

@@ -6,6 +6,7 @@ Used by command line and API alike; the catalogue is data, so no physics is impo
 from __future__ import annotations
 
 import itertools
+import re
 from collections.abc import Iterable, Iterator, Mapping
 
 from campaigns.asked.criteria import criteria
@@ -33,6 +34,8 @@ from campaigns.limits import CONFIDENCE_AT_LEAST, STORED_WHOLE
 
 SEED = "seed"
 """The parameter of a random component that selects its realisation."""
+_SEEDS = re.compile(r"seeds?[_\d]*$", re.IGNORECASE)
+"""How the names of parameters end that select one: seed, noise_seed, randomSeed2."""
 RANDOM = ("environment", "fault")
 """The roles of components that may be random."""
 LISTED: dict[str, Role] = {"obstacles": "obstacle", "environment": "environment", "faults": "fault"}
@@ -115,9 +118,10 @@ def seeded(campaign: Campaign, catalogue: Catalogue) -> list[str]:
 
 def unvaried(campaign: Campaign, paths: Iterable[str]) -> list[str]:
     """Those of a campaign's parameters that select a realisation, are fixed, and that no realisations vary."""
-    seeds = (path for path in paths if SEED in path.rpartition(".")[2].lower().split("_"))
+    seeds = (path for path in paths if _SEEDS.search(path))
     varied = tuple(f"{name}." for name, role in LISTED.items() if role in RANDOM)
-    return [path for path in seeds if not path.startswith(varied) and path not in campaign.uncertain]
+    realised = (path for path in seeds if not (path.startswith(varied) and path.endswith(f".{SEED}")))
+    return [path for path in realised if path not in campaign.uncertain]
 
 
 def _check(campaign: Campaign, catalogue: Catalogue) -> Iterator[Problem]:

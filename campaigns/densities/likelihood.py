@@ -21,7 +21,7 @@ from campaigns.results.base import OK
 from campaigns.results.likelihood import Likelihood, LikelyViolation, MostLikely
 from campaigns.special import chi_square_beyond
 
-CELLS = 3000
+CELLS = 2000
 """Of the grid on which the falls of several bounded distributions are added."""
 
 
@@ -51,16 +51,18 @@ def beyond(of: Joint, fall: float) -> float:
     others = [one for one in of.alone if one.freedom is None]
     if not others or fall <= 0.0:
         return float(chi_square_beyond(fall, freedom))
-    masses, edges, tail = np.array([1.0]), np.linspace(0.0, fall, CELLS + 1), 0.0
+    masses, halves, tail = np.array([1.0]), np.linspace(0.0, fall, 2 * CELLS + 1), 0.0
     for number, one in enumerate(others):  # the probabilities that the fall of a draw is in each cell up to `fall`
-        tail += float(masses @ one.beyond(_left(fall, len(masses), number)))
-        masses = np.convolve(masses, -np.diff(one.beyond(edges)))[:CELLS]
-    return min(tail + float(masses @ chi_square_beyond(_left(fall, len(masses), len(others)), freedom)), 1.0)
+        beyond_halves = one.beyond(halves)
+        tail += float(masses @ beyond_halves[_left(len(masses), number)])
+        masses = np.convolve(masses, -np.diff(beyond_halves[::2]))[:CELLS]
+    rest = chi_square_beyond(halves[_left(len(masses), len(others))], freedom)
+    return min(tail + float(masses @ rest), 1.0)
 
 
-def _left(fall: float, cells: int, added: int) -> Floats:
-    """What is left of a fall from the middle of each cell of a sum of so many."""
-    left: Floats = np.maximum(fall - (np.arange(cells) + added / 2.0) * (fall / CELLS), 0.0)
+def _left(cells: int, added: int) -> NDArray[np.intp]:
+    """What is left of a fall from the middle of each cell of a sum of so many, in half cells."""
+    left: NDArray[np.intp] = np.maximum(2 * CELLS - 2 * np.arange(cells) - added, 0)
     return left
 
 

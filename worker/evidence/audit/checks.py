@@ -156,7 +156,8 @@ def _probability(run: Run) -> dict[str, bool]:
     noise, bound = (sample.noise, run.bound) if sample else ("stated", 1.0)
     excluded = run.made.excluded / max(run.made.evaluations, 1)
     if excluded and run.wording >= limits.EACH:
-        excluded = max([excluded, *(float(np.mean(run.rows(k)[2] == EXCLUDED)) for k in run.searches)])
+        searched = [run.rows(k)[2] == EXCLUDED for k in run.searches]
+        excluded = max([excluded, *(float(np.mean(one)) for one in searched if len(one))])
     if run.fixed_seeds:
         checks["noise"] = False
     elif run.random:

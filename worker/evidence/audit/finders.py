@@ -130,7 +130,10 @@ def _scale(run: Run, worst: float) -> float:
     fall = run.nominal - worst
     if not fall > 0.0:
         return max(abs(worst), 1e-12)
-    costs = run.raw[(run.status == OK) & (run.stage < len(run.plan) - 1)]
+    known = ((k, *run.rows(k)[1:]) for k in range(len(run.plan) - 1))
+    # Not those of a noise realisation of their own.
+    rows = [(raw[len(_seeds(run, k)) :], status[len(_seeds(run, k)) :]) for k, raw, status in known]
+    costs = np.concatenate([raw[status == OK] for raw, status in rows])
     while run.wording >= limits.EACH and (below := far_above(costs, worst, fall)):
         fall = below
     return fall
@@ -139,5 +142,6 @@ def _scale(run: Run, worst: float) -> float:
 def far_above(costs: Any, worst: float, fall: float) -> float:
     """How far above the worst the highest of a hundred costs or more is, all of which are in the lowest tenth of a
     fall, but those near its top; 0 if others are in between."""
-    low = np.sort(costs[costs - worst < limits.TOP * fall] - worst)
-    return float(low[-1]) if len(low) >= limits.MANY and 0.0 < low[-1] < (1.0 - limits.TOP) * fall else 0.0
+    low = np.sort(costs[costs < worst + limits.TOP * fall])
+    height = float(low[-1]) - worst if len(low) >= limits.MANY else 0.0
+    return height if 0.0 < height < limits.BOTTOM * fall else 0.0

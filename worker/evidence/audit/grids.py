@@ -9,8 +9,8 @@ from numpy.typing import NDArray
 
 DISTINCT, FINEST, BINARY = 5, 9, 30
 """Different values that lie on a grid at least; the finest one, in decimals and in binary digits."""
-OFTEN = 20
-"""So many evaluations for each of fewer values show one as well."""
+OFTEN, EACH = 20, 5
+"""So many evaluations for each of fewer values show one as well, if the two lowest have so many at least."""
 NEAREST = 100, 30, 10
 """Of so many of the lowest values the step counts."""
 EPSILON = 2.0**-52
@@ -24,10 +24,16 @@ def step(costs: NDArray[np.float64], any_step: bool, lowest: Sequence[int] = NEA
     any_step: whether steps other than decimal and binary ones count; lowest: of how many of the lowest values the step
     of their own counts, if it is larger; few: whether fewer values count if they return often.
     """
-    values = np.unique(costs)
-    if len(values) < DISTINCT and not (few and 1 < len(values) <= len(costs) / OFTEN):
+    values, counts = np.unique(costs, return_counts=True)
+    if len(values) < DISTINCT and not (few and _returning(values, counts)):
         return 0.0
     return max(_of(some, any_step) for some in (values, *(values[:count] for count in lowest)))
+
+
+def _returning(values: NDArray[np.float64], counts: NDArray[np.intp]) -> bool:
+    if len(values) < 2 or counts.sum() < OFTEN * len(values) or min(counts[0], counts[1]) < EACH:
+        return False
+    return bool(np.diff(values).min() > 64 * EPSILON * max(abs(values[0]), abs(values[-1])))
 
 
 def _of(values: NDArray[np.float64], any_step: bool) -> float:

@@ -64,8 +64,8 @@ NEAREST = 20
 EACH = 21
 """The version since which what a search excludes counts by itself, a fixed seed of any part bars, a large nominal value
 is no scale of how sure a search is, and a few values that return often lie on a grid."""
-TOP, MANY = 0.9, 100
-"""A nominal value is far above so many costs if none is between a tenth and this fraction of its height."""
+BOTTOM, TOP, MANY = 0.1, 0.9, 100
+"""A nominal value is far above so many costs if none is between these fractions of its height."""
 CLEARING = max(ROUNDED, LOWEST, SHARED, AFTER, HALVED, WIDER, ALIKE, MEASURED, GRANTED, NEAREST, EACH)
 """The version since which the rules that can withdraw "cleared" are those of today."""
 RULES = max(CLEARING, BASINS, BASELINES, BESIDE, TAILS, CALLED, VIOLATING, WHOLE)

@@ -264,8 +264,11 @@ class Run:
 
     def _fixed_seed(self, path: str) -> bool:
         part, _, name = path.rpartition(".")
-        realised = part.startswith(("environment.", "faults."))  # by the realisations of the campaign
-        return "seed" in name.lower().split("_") and not realised and path not in self.campaign.uncertain
+        realised = name == "seed" and part.startswith(
+            ("environment.", "faults.")
+        )  # by the realisations of the campaign
+        ends = name.lower().rstrip("_0123456789").endswith(("seed", "seeds"))
+        return ends and not realised and path not in self.campaign.uncertain
 
     def describe(self) -> None:
         """Look up the run's parameters and methods in the catalogue, and select the sample for the probability."""

@@ -33,6 +33,8 @@ VALUES: dict[str, tuple[Floats, float]] = {
     "whole metres from 2 to 4": (2.0 + np.round(2.0 * RANDOM), 1.0),
     "four that are not rounded": (RANDOM[:4], 0.0),
     "three, each a few times": (np.round(2.0 * RANDOM[:50]), 0.0),
+    "one that is met once": (np.append(np.full(59, 100.0), 0.3), 0.0),
+    "two that differ by rounding": (np.append(np.ones(50), np.full(50, 1.0 + 2.0**-52)), 0.0),
     "levels": (np.array([0.3, 0.7, 1.7])[np.round(2.0 * RANDOM).astype(int)], 0.2),
     "tenths of a foot": (np.round(30 * RANDOM, 1) * 0.3048, 0.03048),
     "tenths of a kilometre per hour": (np.round(100 * RANDOM, 1) / 3.6, 0.1 / 3.6),

@@ -114,7 +114,9 @@ def test_a_vehicle_goes_as_far_as_it_gets(positions: Points, lasts: float) -> No
 
 CREEPING = {
     "is carried on": (along(TIMES), math.inf),
-    "stops there": (along(1.0 - np.exp(-TIMES)), 1.0),
+    "stops there": (along(1.0 - np.exp(-TIMES)), 0.0),
+    "swings out": (along(np.exp(-0.6 * TIMES) * np.cos(0.8 * TIMES)), 0.0),
+    "hardly slows": (along(-np.exp(-0.05 * TIMES)), 20.0),
     "about a place": (along(np.sin(3.0 * TIMES), np.cos(3.0 * TIMES)), 0.0),
 }
 

@@ -10,13 +10,15 @@ from __future__ import annotations
 from fractions import Fraction
 
 import numpy as np
+from numpy.typing import NDArray
 
 from worker.engine.systems.base import Floats
 
 LOWEST = 100, 30, 10
 """So many of the lowest different values have a grid of their own: a few where higher ones have other digits."""
-DISTINCT, AGAIN = 5, 20
-"""Fewer different values lie on a grid by chance, unless each stands for so many values on average."""
+DISTINCT, AGAIN, OFTEN = 5, 20, 5
+"""Fewer different values lie on a grid by chance, unless each stands for so many values on average, and each of the two
+lowest for so many."""
 GRIDS = sorted({*(float(f"{m}e{k}") for k in range(-9, 4) for m in (1, 2, 2.5, 5)), *(2.0**-k for k in range(31))})
 """Decimal ones, and binary ones as of numbers in single precision."""
 PRECISION = 64 * float(np.finfo(float).eps)
@@ -29,10 +31,16 @@ where it is compared; digits of it."""
 def grid(costs: Floats) -> float:
     """The coarsest step of which all differences of these values are multiples, or those of the lowest of them, such as
     a tenth of a foot [criterion's unit]; 0 if there is none."""
-    known = np.unique(costs)
-    if len(known) < 2 or (len(known) < DISTINCT and len(costs) < AGAIN * len(known)):
+    known, times = np.unique(costs, return_counts=True)
+    if len(known) < DISTINCT and not _return(known, times):
         return 0.0
     return max(_grid(some) for some in (known, *(known[:count] for count in LOWEST)))
+
+
+def _return(known: Floats, times: NDArray[np.intp]) -> bool:
+    """Whether a few values are not alike by rounding, and return often."""
+    often = len(known) > 1 and times.sum() >= AGAIN * len(known) and bool(times[:2].min() >= OFTEN)
+    return often and bool(np.diff(known).min() > PRECISION * np.abs(known).max())
 
 
 def _grid(known: Floats) -> float:

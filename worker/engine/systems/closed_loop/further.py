@@ -20,8 +20,9 @@ from worker.engine.systems.closed_loop.trace import Seen
 STRAIGHT = 0.5
 """A vehicle that got this fraction of its path away at least goes on; of less, it circles, hovers or turns back."""
 STANDS = 0.01
-"""A vehicle has come to its goal that moved by this fraction of all its path at most in the last half horizon, and got
-away by less than `STRAIGHT` of that: what creeps there may take any direction, what is carried away does not."""
+"""A vehicle has come to its goal that moved by this fraction of all its path at most in the last half horizon, if it
+got away by less than `STRAIGHT` of that or its speed halved there: what creeps there may take any direction, what is
+carried away does not."""
 INTERVALS = 100
 """Of the last half horizon, for which places are compared."""
 GROWS = 2.0
@@ -60,9 +61,13 @@ def going(places: Floats, late: int, each: float) -> Remaining:
     moved = np.linalg.norm(np.diff(places, axis=0), axis=1)
     before, moved = moved.sum(), moved[-late:]
     away = np.linalg.norm(places[-1] - places[-1 - len(moved) :], axis=1)
-    if away[0] <= STRAIGHT * moved.sum():
-        return Remaining() if moved.sum() <= STANDS * before else Remaining(about=float(away.max()))
     middle, end = len(moved) // 2, len(moved) - 1
+    slows = moved[middle:].max(initial=0.0) < 0.5 * moved[:middle].max(initial=0.0)
+    keeps = away[0] <= STRAIGHT * moved.sum()
+    if moved.sum() <= STANDS * before and (keeps or slows):
+        return Remaining()
+    if keeps:
+        return Remaining(about=float(away.max()))
     turned, later = _turned(places[-1 - len(moved) :]), _turned(places[-1 - middle :])
     steady = turned >= STEADY[1] and later >= STEADY[0] * turned
     if not 0 < middle < end or not moved[0] > moved[middle] > moved[end]:

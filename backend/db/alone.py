@@ -29,10 +29,10 @@ def alone(data: Path | None, url: str, lock: Lock) -> Iterator[None]:
     data: None if there is no folder yet. url: of the database; services with other data folders find the lock next to
     an SQLite file. Where that cannot be made, the file cannot be used, either.
     """
-    with ExitStack() as held:
+    with ExitStack() as locks:
         if data is not None:
             try:
-                file = held.enter_context((data / lock).open("a+"))
+                file = locks.enter_context((data / lock).open("a+"))
             except OSError as error:
                 raise InUseError(f"the folder {data} cannot be written: {error.strerror}") from None
             _locked(file, lock, data, "--data")
@@ -41,7 +41,7 @@ def alone(data: Path | None, url: str, lock: Lock) -> Iterator[None]:
             database = Path(name).resolve()
             with suppress(OSError):
                 database.parent.mkdir(mode=0o700, parents=True, exist_ok=True)
-                beside = held.enter_context(database.with_name(f"{database.name}.{lock}").open("a+"))
+                beside = locks.enter_context(database.with_name(f"{database.name}.{lock}").open("a+"))
                 _locked(beside, lock, database, "--database")
         yield
 

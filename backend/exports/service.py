@@ -7,7 +7,7 @@ import hashlib
 import sqlalchemy as sa
 from fastapi import Request
 
-from backend.catalog.installed import installed
+from backend.catalog.installation import installation
 from backend.catalog.service import published_digest
 from backend.db.tables import Finding, Trace
 from backend.exports.format import LABEL, Stored, known
@@ -75,7 +75,7 @@ def tag(reader: sa.Connection, run_id: int) -> str | None:
     run = runs.detail(reader, run_id)
     if run.state not in ENDED:
         return None
-    now = installed(reader)
+    now = installation(reader)
     parts = [run.model_dump_json(), signoffs.listed(reader, run_id).model_dump_json(), published_digest(reader)]
     parts += [now.reason, *sorted(now.absent)]
     return f'W/"{hashlib.sha256("".join(parts).encode()).hexdigest()}"'

@@ -11,7 +11,7 @@ from fastapi.concurrency import run_in_threadpool
 
 from backend.access.auth import CurrentVisitor
 from backend.access.once import ONCE, OnceOnly
-from backend.catalog.installed import installed
+from backend.catalog.installation import installation
 from backend.db import codes
 from backend.db.engine import ask, chunks, now
 from backend.db.tables import Run
@@ -185,7 +185,7 @@ async def export_argument(request: Request, engine: Engine) -> Response:
 
     def made(reader: sa.Connection) -> str:
         rows = list(matrix.every(reader, 0))
-        code = None if installed(reader).catalogue is None else codes.published(reader)
+        code = None if installation(reader).catalogue is None else codes.published(reader)
         return gsn.argument(rows, _claims(reader, rows), address, now(reader), code)
 
     text = await _whole(request, engine, made)

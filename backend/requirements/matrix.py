@@ -62,7 +62,7 @@ def page(reader: sa.Connection, q: str, cursor: str | None, limit: int, runs: in
         items=rows(reader, ids, runs),
         next_cursor=ids[-1].encode().hex() if more else None,
         total=reader.scalar(sa.select(sa.func.count()).select_from(every)) or 0,
-        compared=now.installed.catalogue is not None,
+        compared=now.installation.catalogue is not None,
     )
 
 

@@ -9,7 +9,7 @@ from typing import Any
 
 import sqlalchemy as sa
 
-from backend.catalog.installed import installed as installed_now
+from backend.catalog.installation import installation
 from backend.db import codes
 from backend.db.engine import chunks
 from backend.db.tables import CampaignRow, Run
@@ -68,7 +68,7 @@ def of_run(reader: sa.Connection, run_id: int) -> Identity | None:
 
 def of_installed(reader: sa.Connection, campaign: Campaign, then: Identity) -> Identity | None:
     """What a run of the campaign would have now; None if no live worker reports it. then: see `installed`."""
-    catalogue = installed_now(reader).catalogue
+    catalogue = installation(reader).catalogue
     return None if catalogue is None else installed(campaign, catalogue, then)
 
 

@@ -8,8 +8,7 @@ from typing import Any
 
 import sqlalchemy as sa
 
-from backend.catalog.installed import Installed, no_simulator
-from backend.catalog.installed import installed as installed_now
+from backend.catalog.installation import Installation, installation, no_simulator
 from backend.db.engine import chunks
 from backend.db.sweeps import in_sweep
 from backend.db.tables import CampaignRow, Run
@@ -27,7 +26,7 @@ NOT_STORED = "its code is not stored, so a change of the model cannot be exclude
 class Present:
     """newest: run and definition by campaign name."""
 
-    installed: Installed
+    installation: Installation
     newest: Mapping[str, tuple[int, str]]
 
 
@@ -43,7 +42,7 @@ def present(reader: sa.Connection, names: Collection[str]) -> Present:
         found = sa.select(Run.id, CampaignRow.name, CampaignRow.document)
         found = found.join(CampaignRow, CampaignRow.digest == Run.campaign_digest).where(Run.id.in_(last))
         newest |= {row.name: (int(row.id), definition(row.document)) for row in reader.execute(found)}
-    return Present(installed_now(reader), newest)
+    return Present(installation(reader), newest)
 
 
 def changed_campaign(newer: int) -> str:
@@ -56,9 +55,9 @@ def changes(now: Present, run_id: int, name: str, document: Mapping[str, Any], t
     newer, defined = now.newest.get(name, (run_id, ""))
     if defined and defined != definition(document):
         yield changed_campaign(newer)
-    catalogue = now.installed.catalogue
+    catalogue = now.installation.catalogue
     if catalogue is None:
-        yield now.installed.reason
+        yield now.installation.reason
         return
     if then is None:
         yield NOT_STORED
@@ -74,7 +73,7 @@ def changes(now: Present, run_id: int, name: str, document: Mapping[str, Any], t
         yield "a part of it is no longer installed"
     if ENGINE in then.unidentified:
         yield NOT_STORED
-    absent = {f"{SIMULATORS}/{simulator}" for simulator in now.installed.absent}
+    absent = {f"{SIMULATORS}/{simulator}" for simulator in now.installation.absent}
     for unread in dict.fromkeys(name for name in then.unidentified + here.unidentified if name != ENGINE):
         alone = unread in absent and unread not in then.unidentified
         yield no_simulator(unread) if alone else f"{unread} is not identified, so a change cannot be excluded"

@@ -25,6 +25,7 @@ HOW = "give a parameter and its values, such as --sweep avoider.d_0=1,2,3"
 TABLE = "sweep.csv"
 SOURCES = {"search": ", from a random search", "certify_stated": f",{STATED_SEED}"}
 """What a bound rests on, if its seed was not drawn at the launch."""
+EXCLUDED = " of draws excluded"
 STATES = (
     "queued", "running", "cancelling", "cleared", "violated", "inconclusive", "cancelled", "failed", "purged",
 )  # fmt: skip
@@ -104,7 +105,7 @@ def _line(found: Sweep, point: SweepPoint) -> str:
     most = "" if bound is None else written(bound, form=Format.AT_MOST, digits=3)
     sure = written(outcome.confidence or 0.0, form=Format.AT_LEAST)
     source, fraction = SOURCES.get(outcome.bound_source or "", ""), outcome.excluded_fraction
-    excluded = f", {written(fraction, form=Format.PROBABILITY, digits=3)} of draws excluded" if fraction else ""
+    excluded = f", {written(fraction, form=Format.PROBABILITY, digits=3)}{EXCLUDED}" if fraction else ""
     sampled = "" if bound is None else f", P(violation) at most {most} ({sure} confidence{source}{excluded})"
     return f"{start}  {headline(str(outcome.verdict), outcome, outcome.policy)}{margin}{sampled}{removed}"
 

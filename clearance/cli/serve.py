@@ -31,6 +31,8 @@ from worker.running.processes.serving import Server, Servers
 PATIENCE = 300.0
 """How long the service may take to start, and after which it does not wait for a worker any more [s]."""
 
+MISSING = "The service is ready, and runs nothing until a worker has started"
+
 UNUSABLE_SETTINGS = 2
 """The exit code of a backend that cannot start because of its settings."""
 
@@ -152,7 +154,7 @@ class _Serving:
             code = access.create_login_code(connection)
         link = f"{(self.data / ADDRESS_FILE).read_text().strip()}/login?code={code}"
         missing = bool(self.workers) and self._published() < begun
-        ready = "The service is ready, and runs nothing until a worker has started" if missing else "Clearance is ready"
+        ready = MISSING if missing else "Clearance is ready"
         _say(f"\n{ready}. Open this link to log in (it can be used once, within 15 minutes):\n")
         _say(f"    {link}\n")
         _say("For a new link: clearance login-link. To stop: Ctrl-C.")

@@ -10,7 +10,7 @@ import pytest
 import sqlalchemy as sa
 import yaml
 
-from backend.catalog.installed import NO_CODE, no_worker
+from backend.catalog.installation import NO_CODE, no_worker
 from backend.db import purge
 from backend.db.tables import (
     CatalogueDocument,

@@ -90,7 +90,7 @@ def test_a_line_states_what_its_bound_rests_on(submit: Submit, service: Service,
     lines = capsys.readouterr().out.splitlines()
     found = [[source for source, text in _sweep.SOURCES.items() if text in line] for line in lines]
     assert found == [[], ["certify_stated"], ["search"]]
-    assert ["25 % of draws excluded)" in line for line in lines] == [False, False, True]
+    assert [f"25 %{_sweep.EXCLUDED})" in line for line in lines] == [False, False, True]
 
 
 def test_progress_counts_each_run_once_and_lines_state_removed_runs(

@@ -1,4 +1,4 @@
-"""What is installed now: what is published, as far as a live worker stands behind it. Read `installed`.
+"""What is installed now: what is published, as far as a live worker stands behind it. Read `installation`.
 
 What no worker has compared its files with lately may have been edited since, and counts as changed.
 """
@@ -40,7 +40,7 @@ def _date(at: float) -> str:
 
 
 @dataclass(frozen=True)
-class Installed:
+class Installation:
     """catalogue: with the digests of those simulators only that a live worker has; None if nothing can be compared;
     reason: then why, a clause; absent: the names of the other simulators."""
 
@@ -49,16 +49,16 @@ class Installed:
     absent: frozenset[str] = frozenset()
 
 
-def installed(reader: sa.Connection) -> Installed:
+def installation(reader: sa.Connection) -> Installation:
     """What a run of now would be of, as far as it is known."""
     catalogue, report = published(reader), workers.reported(reader)
     if catalogue is None or catalogue.code is None or report is None:
-        return Installed(None, NO_CODE)
+        return Installation(None, NO_CODE)
     if not report.current:
-        return Installed(None, no_report(report.at) if report.alive else no_worker(report.seen))
+        return Installation(None, no_report(report.at) if report.alive else no_worker(report.seen))
     names = {entry.name for entry in catalogue.simulators if not report.has(entry)}
     absent = frozenset(names & catalogue.digests.keys())
     if not absent:
-        return Installed(catalogue)
+        return Installation(catalogue)
     digests = {name: digest for name, digest in catalogue.digests.items() if name not in absent}
-    return Installed(catalogue.model_copy(update={"digests": digests}), absent=absent)
+    return Installation(catalogue.model_copy(update={"digests": digests}), absent=absent)

@@ -7,7 +7,7 @@ import time
 import pytest
 import sqlalchemy as sa
 
-from backend.catalog.installed import Installed, installed, no_report, no_worker
+from backend.catalog.installation import Installation, installation, no_report, no_worker
 from backend.db import workers
 from backend.db.tables import CatalogueDocument, Worker
 from campaigns.catalogue import SimulatorEntry
@@ -19,9 +19,9 @@ NIGHT = 8 * 3600.0
 OTHER = ENTRY.model_copy(update={"name": "other"})
 
 
-def found(service: Service) -> Installed:
+def found(service: Service) -> Installation:
     with service.engine.connect() as reader:
-        return installed(reader)
+        return installation(reader)
 
 
 def published(service: Service, age: float, *simulators: SimulatorEntry) -> float:
@@ -35,31 +35,31 @@ def published(service: Service, age: float, *simulators: SimulatorEntry) -> floa
     return at
 
 
-def arrive(service: Service, age: float | None, *has: SimulatorEntry, installation: str = "here") -> None:
+def arrive(service: Service, age: float | None, *has: SimulatorEntry, loaded: str = "here") -> None:
     """A live worker that compared its files so long ago; None if its process has not started yet."""
     with service.engine.begin() as connection:
         workers.arrive(connection, "w1")
-        workers.beat(connection, "w1", None, [entry.version for entry in has], installation, age)
+        workers.beat(connection, "w1", None, [entry.version for entry in has], loaded, age)
 
 
 def test_what_was_published_counts_only_while_a_worker_reports_it(bare: Service) -> None:
     at = published(bare, NIGHT)
-    assert found(bare) == Installed(None, no_worker(at))
-    arrive(bare, None, installation="")
-    assert found(bare) == Installed(None, no_report(at)), "it may be about to publish an edit"
+    assert found(bare) == Installation(None, no_worker(at))
+    arrive(bare, None, loaded="")
+    assert found(bare) == Installation(None, no_report(at)), "it may be about to publish an edit"
     arrive(bare, 100.0)
     assert found(bare).catalogue is not None
     arrive(bare, 2 * workers.CURRENT)
     assert found(bare).reason.startswith(no_report(0.0).partition("1970")[0])
 
 
-@pytest.mark.parametrize("installation", ["", "here"])
-def test_a_restart_shows_no_difference_but_one_that_never_starts_does(bare: Service, installation: str) -> None:
+@pytest.mark.parametrize("loaded", ["", "here"])
+def test_a_restart_shows_no_difference_but_one_that_never_starts_does(bare: Service, loaded: str) -> None:
     at = published(bare, NIGHT)
-    arrive(bare, None, installation=installation)
+    arrive(bare, None, loaded=loaded)
     with bare.engine.begin() as connection:
         workers.leave(connection, "w1")
-    assert found(bare).reason == ("" if installation else no_worker(at))
+    assert found(bare).reason == ("" if loaded else no_worker(at))
     with bare.engine.begin() as connection:
         connection.execute(sa.update(CatalogueDocument).values(departed=time.time() - workers.RESTART - 1))
     assert found(bare).reason.startswith(no_worker(0.0).partition("1970")[0])

@@ -11,7 +11,7 @@ from typing import Any
 
 import pytest
 import sqlalchemy as sa
-from playwright.sync_api import Browser, Page, Response, expect
+from playwright.sync_api import Browser, Page, Response, Route, expect
 
 from backend.db.tables import Run
 from campaigns import library, load_file
@@ -293,6 +293,60 @@ def test_selected_runs_are_cancelled_together(signed_in: Visit) -> None:
         assert api(signed_in, f"/runs/{run}")["state"] == "cancelled"
 
 
+def the_focus_returns(page: Page) -> None:
+    """From every opening of a dialog to the button that opened it; the search is mounted open at the first."""
+    for name in ("Change name and tags", "Remove", "Sign off", "Keys", "Search or jump to"):
+        button = page.get_by_role("button", name=name).first
+        for _ in range(2):
+            button.focus()
+            page.keyboard.press("Enter")
+            within = page.locator("[role=dialog] :focus")
+            expect(within).to_have_count(1)
+            page.keyboard.press("Escape")
+            expect(page.get_by_role("dialog")).to_have_count(0)
+            expect(button).to_be_focused()
+
+
+def the_menu_has_the_focus_when_its_files_come(page: Page) -> None:
+    held: list[Route] = []
+    page.route(re.compile("/exports$"), lambda route: held.append(route))
+    page.get_by_role("button", name="Export").click()
+    expect(page.get_by_role("menuitem", name="Loading the list of files")).to_be_focused()
+    until(lambda: bool(held), "the list is asked for", 20)
+    held[0].continue_()
+    page.unroute_all()
+    items = page.get_by_role("menuitem")
+    expect(items.first).to_be_focused()
+    expect(items.first).not_to_contain_text("Loading")
+    page.keyboard.press("j")  # no key of the page
+    page.keyboard.press("ArrowDown")
+    expect(page.locator("[role=menu] :focus")).to_have_count(1)
+    expect(items.first).not_to_be_focused()
+    page.keyboard.press("Escape")
+    expect(page.get_by_role("button", name="Export")).to_be_focused()
+
+
+def links_and_buttons_are_used_with_enter(page: Page) -> None:
+    """On the list, too, where Enter opens the chosen run: what has the focus comes first."""
+    page.get_by_role("button", name="Columns").focus()
+    page.keyboard.press("Enter")
+    expect(page.get_by_role("dialog", name="Columns")).to_be_visible()
+    page.keyboard.press("Escape")
+    expect(page.get_by_role("dialog")).to_have_count(0)
+    page.get_by_role("button", name="Session of").click()
+    expect(page.locator("[role=menu] :focus")).to_have_count(1)
+    page.keyboard.press("x")  # no key of the page either: the run stays selected
+    page.keyboard.press("Escape")
+    expect(page.get_by_text("1 selected")).to_be_visible()
+    page.get_by_role("link", name="Help", exact=True).focus()
+    page.keyboard.press("Enter")
+    expect(page).to_have_url(re.compile("/help"))
+    page.go_back()
+    expect(page.locator("tr[data-run]")).to_have_count(1)
+    page.get_by_role("heading", level=1).click()
+    page.keyboard.press("j")
+
+
 def test_the_keys_are_listed_and_work(signed_in: Visit) -> None:
     page = signed_in.page
     signed_in.move(f"/runs/{BOX}")
@@ -303,6 +357,8 @@ def test_the_keys_are_listed_and_work(signed_in: Visit) -> None:
     signed_in.shot("keys-1440-light", full=False)
     page.keyboard.press("Escape")
     expect(dialog).to_be_hidden()
+    the_focus_returns(page)
+    the_menu_has_the_focus_when_its_files_come(page)
     page.keyboard.press("/")
     expect(page.get_by_label("Search runs")).to_be_focused()
     page.keyboard.type("once more")
@@ -312,6 +368,7 @@ def test_the_keys_are_listed_and_work(signed_in: Visit) -> None:
     page.keyboard.press("j")
     page.keyboard.press("x")
     expect(page.get_by_text("1 selected")).to_be_visible()
+    links_and_buttons_are_used_with_enter(page)
     page.keyboard.press("Enter")
     expect(page).to_have_url(re.compile(f"/runs/{AGAIN}$"))
     page.keyboard.press("n")

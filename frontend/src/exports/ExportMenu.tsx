@@ -1,7 +1,7 @@
 // The Export menu of a run's page: all export files, saved by the browser as they stream.
 import { IconBraces, IconDownload, IconFileText, IconFileTypePdf, IconMatrix, IconPackage, IconPlane, IconTable } from '@tabler/icons-react'
 import { queryOptions, useMutation, useQuery } from '@tanstack/react-query'
-import { useState } from 'react'
+import { useEffect, useRef, useState } from 'react'
 import { getExports, getFile } from '../api/calls'
 import { asCampaign, caseWord } from '../api/campaign'
 import type { ExportFile, RunDetail } from '../client'
@@ -23,6 +23,7 @@ const exportsQuery = (id: string, state: string) =>
 export function ExportMenu({ run }: { run: RunDetail }) {
   const [opened, setOpened] = useState(false)
   const { data, error } = useQuery({ ...exportsQuery(run.id, run.state), enabled: opened })
+  const list = useListFocus(opened, data)
   const recording = data?.find((file) => RECORDING.test(file.href) && file.unavailable === null)
   const files = data?.filter((file) => file.media_type !== 'application/pdf' && !RECORDING.test(file.href))
   const one = caseWord(asCampaign(run.campaign))
@@ -42,7 +43,7 @@ export function ExportMenu({ run }: { run: RunDetail }) {
         width={340}
         button={worded(IconDownload, 'Export')}
       >
-        <MenuDropdown className={styles.files}>
+        <MenuDropdown className={styles.files} ref={list}>
           <MenuLabel>Files of {run.id}</MenuLabel>
           {pdf && <PdfEntry file={pdf} />}
           {files?.map((file) => (
@@ -50,7 +51,8 @@ export function ExportMenu({ run }: { run: RunDetail }) {
           ))}
           {recording && <MenuLabel>{one === 'flight' ? 'Flight' : 'Case'} in 3D</MenuLabel>}
           {recording && <RecordingEntries run={run.id} flight={RECORDING.exec(recording.href)?.[1] ?? 'nominal'} one={one} />}
-          {!data && <MenuItem disabled>{error ? error.message : 'Loading the list of files …'}</MenuItem>}
+          {/* Not `disabled`: it holds the focus of the menu until the files are there. */}
+          {!data && <MenuItem data-disabled closeMenuOnClick={false}>{error ? error.message : 'Loading the list of files …'}</MenuItem>}
           <MenuDivider />
           <p className="small mut" style={{ padding: '4px 12px 8px' }}>
             Figures: the picture button of each chart saves it as PNG or SVG.
@@ -59,6 +61,16 @@ export function ExportMenu({ run }: { run: RunDetail }) {
       </Popup>
     </>
   )
+}
+
+/** Of a menu whose items come later: the focus, which the line of loading had, goes to the first of them. */
+function useListFocus(opened: boolean, data: unknown) {
+  const list = useRef<HTMLDivElement>(null)
+  useEffect(() => {
+    const lost = document.activeElement === document.body
+    if (opened && data && lost) list.current?.querySelector<HTMLElement>('[data-menu-item]:not([data-disabled])')?.focus()
+  }, [opened, data])
+  return list
 }
 
 /** The PDF is printed on request, which takes a few seconds and can fail: the menu stays open and reports it. */

@@ -12,6 +12,7 @@ import type { RunSummary } from '../client'
 import type { OpenApi } from '../docs/openapi'
 import { OutcomeIcon, lookOf, outcomeOf, wordOf } from '../ui/VerdictBadge'
 import { Themed } from '../overlay/Themed'
+import { useReturnFocus } from '../overlay/useReturnFocus'
 import { typedEarly } from './early'
 import { operationsIn, passagesWith, sectionsIn } from './passages'
 import { kept, matching, type Place, placesOf } from './places'
@@ -24,9 +25,10 @@ const RUNS = 6
 const REST = 150
 
 export function Jump({ opened, onClose }: { opened: boolean; onClose: () => void }) {
+  useReturnFocus(opened)
   return (
     <Themed>
-      <Modal.Root opened={opened} onClose={onClose} padding={0} size={560} yOffset="12vh" lockScroll={false}>
+      <Modal.Root opened={opened} onClose={onClose} returnFocus={false} padding={0} size={560} yOffset="12vh" lockScroll={false}>
         <Modal.Overlay />
         <Modal.Content aria-label="Search or jump to">
           <Search onDone={onClose} />

@@ -2,6 +2,7 @@
 import { Menu, Modal, type ModalProps, Popover, type PopoverProps } from '@mantine/core'
 import { type ReactNode, type Ref, type RefObject, useDeferredValue, useImperativeHandle } from 'react'
 import { Themed } from './Themed'
+import { useReturnFocus } from './useReturnFocus'
 
 export interface OverlayProps extends Pick<PopoverProps, 'id' | 'opened' | 'onChange' | 'position' | 'width' | 'withinPortal'> {
   kind: 'menu' | 'dialog'
@@ -11,7 +12,7 @@ export interface OverlayProps extends Pick<PopoverProps, 'id' | 'opened' | 'onCh
   children: ReactNode
 }
 
-// An overlay is mounted closed and opened then, because the focus returns to what had it when a mounted one opened.
+// A popup is mounted closed and opened then, because the focus returns to what had it when a mounted one opened.
 
 export function Overlay({ kind, target, opened, children, ...props }: OverlayProps) {
   const shown = useDeferredValue(opened, false)
@@ -43,12 +44,12 @@ function Anchor({ of, ref }: { of: RefObject<HTMLButtonElement | null>; ref?: Re
   return null
 }
 
-export function Dialog({ opened, ...props }: ModalProps) {
-  const shown = useDeferredValue(opened, false)
+export function Dialog(props: ModalProps) {
+  useReturnFocus(props.opened)
   return (
     <Themed>
       {/* Mantine locks scrolling by a style element, which the security policy could refuse. */}
-      <Modal opened={opened && shown} centered lockScroll={false} {...props} />
+      <Modal centered lockScroll={false} returnFocus={false} {...props} />
     </Themed>
   )
 }

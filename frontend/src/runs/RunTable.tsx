@@ -133,8 +133,8 @@ function useKeys(
   useHotkeys({
     j: () => move(1),
     k: () => move(-1),
-    x: () => run && onMark([run.id], !marked.has(run.id)),
-    Enter: () => run && void navigate({ to: '/runs/$id', params: { id: run.id } }),
+    x: run && (() => onMark([run.id], !marked.has(run.id))),
+    Enter: run && (() => void navigate({ to: '/runs/$id', params: { id: run.id } })),
   })
   return [chosen, setChosen]
 }

@@ -248,6 +248,6 @@ def test_a_service_with_another_folder_is_refused_on_the_same_file(
             saved = ["restore", str(backup), "--yes", "--data", str(data), "--database", file]
             assert invoke(saved) == WRONG_INPUT
     said = capsys.readouterr().err
-    assert said.count(f"{one / 'clearance.sqlite3'} is in use") == 4
+    assert said.count(str(one / "clearance.sqlite3")) == 4
     with alone(other, default_url(other), "backend.lock"), alone(one, file, "backend.lock"):
         pass  # another file is another service

@@ -36,6 +36,7 @@ export function Popup({ kind, button, opened: controlled, onChange, children, ..
         aria-expanded={opened}
         aria-controls={opened ? `${id}-dropdown` : undefined}
         onPointerEnter={() => void Overlay.preload()}
+        onFocus={() => void Overlay.preload()}
         onClick={(event) => {
           button.onClick?.(event)
           change(!opened)

@@ -287,7 +287,7 @@ def test_every_method_is_listed_and_drawn(signed_in: Visit) -> None:
             assert abs(float(shown) - stage["best"]) <= 0.5001 * 10.0 ** -len(shown.partition(".")[2])
     for name in ("^Separation over time", "^d_min over Mass", "^Convergence", "^Histogram", "^Change of"):
         expect(page.get_by_role("img", name=re.compile(name))).to_be_visible()
-    for heading in ("Validation", "Published values", "Local minima", "Provenance"):
+    for heading in ("Validation", "Published values", "Ends of descents", "Provenance"):
         expect(page.get_by_role("heading", name=heading).first).to_be_visible()
     separation = page.locator("#separation")
     separation.get_by_role("button", name="Show data").click()

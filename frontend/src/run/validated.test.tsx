@@ -38,6 +38,14 @@ it('has fewer words for a validation that does not tell how it came out', () => 
   expect(validatedWord({ ok: true, agrees: false, violates: true })).toBe('Violation confirmed, beyond tolerance')
 })
 
+it('counts the random evaluations that validation could not afford among those that it chose', () => {
+  const spot_checks = { checked: 142, compared: 140, largest: 0, median: 0, violating: 0, at: null, reasons: [], statement: [], text: '' }
+  const violations = { stored: 0, checked: 0, confirmed: 0, statement: [], text: '' }
+  const left_out = { findings: 0, violations: 0, calls: 0, spot_checks: 58 }
+  const result = validated({ spot_checks, violations, spent: { at_most: 300, stored: 12, left_out } } as never)
+  expect(card(result, [WORST])).toContain('140 of 200 compared')
+})
+
 it('shows in how many independent calls a case of a noisy simulator violates', () => {
   const repeats = {
     values: [...Array<number>(7).fill(0.4), 1.2, 1.3, null], reasons: ['no answer within 5 s'], violating: 7, failed: 1,

@@ -1,4 +1,4 @@
-// The distinct minima of a method, merged as the findings are, and on request every descent: where it started and ended.
+// Where the descents of a method ended, merged as the findings are, and on request every descent: its start, end and reason.
 import { useState } from 'react'
 import type { Minimum } from '../../client'
 import { type MinimaResult, resultWith } from '../../api/stages'
@@ -44,7 +44,7 @@ export function Minima({ data, search, position, className, tall }: MinimaProps)
   const evaluations = { head: 'Evaluations', num: true, tone: 'sec' }
   return (
     <Card
-      title="Local minima"
+      title="Ends of descents"
       note={
         <>
           <MethodName method={search.method} title={search.title} />
@@ -55,19 +55,23 @@ export function Minima({ data, search, position, className, tall }: MinimaProps)
       flush
       right={
         <Seg
-          label={`Minima of ${search.title}`}
+          label={`Ends of the descents of ${search.title}`}
           options={{ distinct: 'Distinct', every: 'Every descent' }}
           value={every ? 'every' : 'distinct'}
           onChange={(value) => setEvery(value === 'every')}
         />
       }
       footer={
-        total > SHOWN && (
-          <span className={layout.row} style={{ justifyContent: 'space-between' }}>
-            The {every ? 'first' : 'lowest'} {shown} of {count(total)}
-            <Button small onClick={() => setAll(!all)}>{all ? 'Show fewer' : `Show ${Math.min(MOST, total)}`}</Button>
-          </span>
-        )
+        <>
+          {total > SHOWN && (
+            <span className={layout.row} style={{ justifyContent: 'space-between' }}>
+              The {every ? 'first' : 'lowest'} {shown} of {count(total)}
+              <Button small onClick={() => setAll(!all)}>{all ? 'Show fewer' : `Show ${Math.min(MOST, total)}`}</Button>
+            </span>
+          )}
+          A descent that ended with its budget or at evaluations without a value need not have reached a minimum
+          {every ? '.' : ': “Every descent” shows how each ended.'}
+        </>
       }
     >
       {every ? (
@@ -88,7 +92,7 @@ export function Minima({ data, search, position, className, tall }: MinimaProps)
           rows={merged.slice(0, shown)}
           row={({ finding }) => ({ 'data-minimum': finding ?? '' })}
           columns={[
-            { head: 'Finding', tone: ({ finding }) => (finding ? 'b' : 'mut'), cell: ({ finding }) => finding ?? 'in none' },
+            { head: 'In the basin of', tone: ({ finding }) => (finding ? 'b' : 'mut'), cell: ({ finding }) => finding ?? 'none' },
             ...parameterColumns<MergedMinimum>(parameters, ({ lowest }, p) => fixed(lowest.parameters[p.path], decimalsFor([p.low, p.high])), 'path'),
             { ...value, tone: (_, i) => i === 0 && 'b', cell: ({ lowest }) => fixed(lowest.cost, decimals) },
             { head: 'Descents', num: true, tone: 'sec', tip: ({ descents }) => `No. ${rangesText(descents)}`, cell: ({ descents }) => count(descents.length) },

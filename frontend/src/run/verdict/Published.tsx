@@ -14,27 +14,38 @@ import { useNearOrPrint } from '../../ui/useNear'
 import { type RunData, searchesOf } from '../data/data'
 import { cards, lists, tables } from '../../ui/styles'
 
-/** A warning if this campaign differs from the shipped one in more than budgets. The library is large: read when needed. */
-function Changed({ campaign }: { campaign: Campaign }) {
-  const [holder, near] = useNearOrPrint<HTMLDivElement>()
-  const { data } = useQuery({ ...libraryQuery, enabled: near })
-  const part = ({ scenario, uncertain }: Campaign) => JSON.stringify([scenario, uncertain])
-  const shipped = data?.map((item) => asCampaign(item.document)).find((item) => item.name === campaign.name)
-  const changed = shipped !== undefined && part(shipped) !== part(campaign)
+/** The shipped campaign that repeats the study: the one with these published values, whatever its name is now. */
+export type Study = 'repeated' | 'changed' | 'not shipped'
+
+/** How a campaign relates to the study of its published values; budgets, threshold and names do not matter. */
+export function studyOf(campaign: Campaign, library: readonly Campaign[]): Study {
+  const { published } = campaign
+  const shipped = library.filter((item) => JSON.stringify(item.published) === JSON.stringify(published))
+  if (shipped.length === 0) return 'not shipped'
+  return shipped.some((item) => evaluated(item) === evaluated(campaign)) ? 'repeated' : 'changed'
+}
+
+/** What decides the values of a campaign's evaluations, and which there are. */
+function evaluated({ scenario, simulator, uncertain, correlations, criterion, objectives }: Campaign): string {
+  const { component, result, parameters, from_centre } = criterion
+  return JSON.stringify([scenario, simulator, uncertain, correlations, component, result, parameters, from_centre, objectives])
+}
+
+function Changed() {
   return (
-    <div ref={holder}>
-      {changed && (
-        <p className={clsx(cards.note, cards.warn)} style={{ margin: '4px 16px 8px' }}>
-          <IconAlertTriangle className="i" aria-hidden />
-          Scenario or bounds of this run differ from the study: the values need not agree.
-        </p>
-      )}
-    </div>
+    <p className={clsx(cards.note, cards.warn)} style={{ margin: '4px 16px 8px' }}>
+      <IconAlertTriangle className="i" aria-hidden />
+      Scenario, bounds or criterion of this run differ from the study: the values need not agree.
+    </p>
   )
 }
 
 export function Published({ data, className }: { data: RunData; className?: string }) {
   const { run, campaign } = data
+  const [holder, near] = useNearOrPrint<HTMLDivElement>()
+  // The library is large: read when needed.
+  const library = useQuery({ ...libraryQuery, enabled: near && campaign.published !== undefined })
+  const study = library.data && studyOf(campaign, library.data.map((item) => asCampaign(item.document)))
   const rows = (campaign.published ?? []).map((row) => ({ ...row, ours: oursFor(data, row) }))
   if (rows.length === 0) return null
   const decimals = decimalsFor(
@@ -44,12 +55,12 @@ export function Published({ data, className }: { data: RunData; className?: stri
   return (
     <Card
       title="Published values"
-      note="Of the study this campaign repeats"
+      note={study === 'repeated' ? 'Of the study this campaign repeats' : study === 'changed' ? 'Of a study; this campaign differs from it' : 'As stated in the campaign file'}
       className={className}
       flush
       footer={campaign.notes ? <Notes text={campaign.notes} /> : undefined}
     >
-      <Changed campaign={campaign} />
+      <div ref={holder}>{study === 'changed' && <Changed />}</div>
       <Table
         tight
         rows={rows}
@@ -62,7 +73,7 @@ export function Published({ data, className }: { data: RunData; className?: stri
             tone: ({ ours }) => (typeof ours === 'number' ? 'b' : 'mut'),
             cell: ({ ours }) => (typeof ours === 'number' ? fixed(ours, decimals + 1) : ours === null ? 'no value' : 'not run'),
           },
-          { head: 'Difference', unit: run.unit, tone: 'sec', cell: ({ ours, value }) => (typeof ours === 'number' ? signed(ours - value, decimals + 1) : NONE) },
+          { head: 'Difference', unit: run.unit, tone: 'sec', cell: ({ ours, value }) => (typeof ours === 'number' ? signed(ours - value, decimals) : NONE) },
         ]}
       />
     </Card>

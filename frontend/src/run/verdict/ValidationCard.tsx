@@ -98,7 +98,13 @@ export function ValidationCard({ data, result }: ValidationCardProps) {
         <p className="sec">The cases are not stored.</p>
       )}
       {result.violations && result.spot_checks && (
-        <Again data={data} repeated={repeated} violations={result.violations} spots={result.spot_checks} />
+        <Again
+          data={data}
+          repeated={repeated}
+          violations={result.violations}
+          spots={result.spot_checks}
+          leftOut={result.spent?.left_out.spot_checks ?? 0}
+        />
       )}
     </Card>
   )
@@ -110,10 +116,12 @@ interface AgainProps {
   repeated: boolean
   violations: Violations
   spots: SpotChecks
+  /** Random evaluations for which the allowance of validation did not suffice: they are not among `spots`. */
+  leftOut: number
 }
 
 /** Numbers of repeated evaluations besides nominal case and findings. */
-function Again({ data: { run, stages }, repeated, violations, spots }: AgainProps) {
+function Again({ data: { run, stages }, repeated, violations, spots, leftOut }: AgainProps) {
   const unit = run.unit
   const apart = (value: number | null) => (value === null ? NONE : `${plain(value, 3)} ${unit}`)
   const { at } = spots
@@ -126,7 +134,7 @@ function Again({ data: { run, stages }, repeated, violations, spots }: AgainProp
       </dd>
       <dt>Random evaluations, {repeated ? 'evaluated again' : 'reference integrator'}</dt>
       <dd data-testid="spot-checks">
-        {count(spots.compared)} of {count(spots.checked)} compared
+        {count(spots.compared)} of {count(spots.checked + leftOut)} compared
         {spots.violating > 0 && <span className="bad-t">, {count(spots.violating)} violate there only</span>}
       </dd>
       <dt>Difference from the stored value</dt>

@@ -33,7 +33,7 @@ AS_BEFORE = "{run}, an earlier run of this campaign, took {evaluations} evaluati
 UNKNOWN = "The time is known after a first run of the same components."
 SPEED = "The time is that of earlier runs with the same components, at their mean speed."
 TIME_AS_BEFORE = "The time is that of {run}{scaled}."
-SCALED = "; for the most evaluations it is that at the same speed"
+SCALED = "; with all evaluations it is that at the same speed"
 
 
 class _Time(NamedTuple):
@@ -96,8 +96,8 @@ def _fewer(campaign: Campaign, stages: list[Expected]) -> list[str]:
 
 
 def _as_before(earlier: _Earlier, campaign: Campaign, time: _Time, promise: str) -> Estimate:
-    """What an earlier run took, and what none exceeds. Of a scenario, the time for the most evaluations is that at its
-    speed; of a simulator as of any run of it, where it is known."""
+    """What an earlier run took, and what none exceeds. Of a scenario, the time with all evaluations is that at
+    its speed; of a simulator as of any run of it, where it is known."""
     run, seconds, stages = earlier.run, earlier.seconds, earlier.stages
     had, end = sum(stage.evaluations for stage in stages), most(campaign)
     if campaign.simulator is None:
@@ -123,7 +123,7 @@ def _as_before(earlier: _Earlier, campaign: Campaign, time: _Time, promise: str)
 
 
 def _scaled(pace: Pace, evaluations: Total) -> _Time:
-    """A time at the speed of earlier runs; none for the most evaluations where a stage is not part of it."""
+    """A time at the speed of earlier runs; none with all evaluations where a stage is not part of it."""
     time = pace.about(evaluations.usual)
     if time is None:
         return _Time(None, None, None, UNKNOWN, pace.untimed)

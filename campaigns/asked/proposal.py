@@ -28,7 +28,7 @@ other: on 8 it took 1.2 times as long, on 16 up to 1.9 times."""
 NOTABLE = 0.1
 """Fraction of the time of a call above which a sentence names that of starting a process."""
 
-LONGEST = "The time for the most evaluations is that {}."
+LONGEST = "The time with all evaluations is that {}."
 ALONE, RETRIED = "of one evaluation after the other", "with every retry"
 
 
@@ -125,7 +125,7 @@ class Cost:
         """Time of so many evaluations on the slots of the measurement [s], without retries, and where it is known from.
 
         again: evaluations in fresh processes that confirm results, in addition; retries: how often a call may be tried
-        again, which only the time of the most evaluations counts (`bounds`).
+        again, which only the time with all evaluations counts (`bounds`).
         """
         each, at_once = self.of(calls)
         seconds = self.start + math.ceil(evaluations / busy(at_once)) * each + self.again(again, calls)

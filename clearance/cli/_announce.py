@@ -45,7 +45,7 @@ def _time(campaign: Campaign, cost: Cost, halved: bool, installed: Catalogue) ->
     more = again(campaign, installed, cost.noisy, halved)
     seconds, known = cost.lasts(evaluations.usual, calls, more, retries)
     longest = lasting(cost.bounds(evaluations.least, evaluations.most, calls, retries)[1])
-    return f"about {lasting(seconds)}, about {longest} for the most evaluations at this speed. {known}"
+    return f"about {lasting(seconds)}, about {longest} with all evaluations at this speed. {known}"
 
 
 def _measured(campaign: Campaign, data: Path, database: str) -> tuple[Cost, bool, Catalogue] | None:

@@ -242,7 +242,7 @@ def test_stages_and_failures_are_switched_off(visit: Visit, card: Locator) -> No
     method = card.get_by_role("button", name=re.compile("^DIRECT"))
     method.click()
     expect(kept(card)).to_have_text(re.compile("^0 of 1.?000 evaluations selected, none with a value"))
-    expect(card).to_contain_text("No evaluation is selected.")
+    expect(card).to_contain_text("No selected evaluation has a value.")
     method.click()
     expect(kept(card)).to_have_text(ALL)
 

@@ -39,7 +39,7 @@ export function StartBar({ checked, checking, failed, disabled, busy, why, onSta
   )
 }
 
-/** Evaluations: at most 22 300. Time: about 6.1 s, about 11 s for the most evaluations. */
+/** Evaluations: at most 22 300. Time: about 6.1 s, about 11 s with all evaluations. */
 export function effortOf(checked: Checked | undefined, failed: boolean): string {
   const { estimate } = checked ?? {}
   if (!estimate && failed) return 'No estimate: the campaign could not be checked'

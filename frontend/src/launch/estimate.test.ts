@@ -11,7 +11,7 @@ const usual: Estimate = {
 it('announces the one number that bounds a run, and its time', () => {
   expect(amountOf(usual)).toBe('at most 22\u202f300')
   expect(stageAmountOf(usual, usual.run)).toBe('at most 22\u202f300')
-  expect(timeOf(usual)).toBe('about 12.0\u202fs, about 1:30\u202fmin for the most evaluations')
+  expect(timeOf(usual)).toBe('about 12.0\u202fs, about 1:30\u202fmin with all evaluations')
   expect(timeOf({ ...usual, seconds: null, seconds_least: null, seconds_most: null })).toBeUndefined()
   expect(timeOf({ ...usual, seconds_most: null })).toBe('about 12.0\u202fs')
 })

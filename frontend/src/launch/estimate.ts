@@ -16,9 +16,9 @@ export function stageAmountOf({ evaluations, most }: Amount, run: string | null)
 
 const atMost = (evaluations: number): string => `at most ${count(evaluations)}`
 
-/** About 12 s, about 24 s for the most evaluations; about 12 s without Attraction; undefined if it is not known. */
+/** About 12 s, about 24 s with all evaluations; about 12 s without Attraction; undefined if it is not known. */
 export function timeOf({ seconds, seconds_most, untimed }: Estimate): string | undefined {
   if (seconds === null) return undefined
   const usual = `about ${duration(seconds)}${untimed.length > 0 ? ` without ${untimed.join(', ')}` : ''}`
-  return seconds_most === null ? usual : `${usual}, about ${duration(seconds_most)} for the most evaluations`
+  return seconds_most === null ? usual : `${usual}, about ${duration(seconds_most)} with all evaluations`
 }

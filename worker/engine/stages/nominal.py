@@ -32,10 +32,10 @@ def run(context: Context, position: int) -> Outcome[NominalResult]:
         assert columns is not None
         if not (columns.status == OK).any():
             reason = without_value(len(columns.status), len(points), noise.reasons(columns))
-            raise CampaignUnusable([Wrong("simulator.name", simulator.name, reason)])
+            raise CampaignUnusable([Wrong("simulator.name", "", f"{simulator.name!r}: {reason}")])
         if columns.status[0] == EXCLUDED:
             reason = nominal_excluded(columns.reasons.get(0, ""))
-            raise CampaignUnusable([Wrong("simulator.name", simulator.name, reason)])
+            raise CampaignUnusable([Wrong("simulator.name", "", f"{simulator.name!r}: {reason}")])
         measured = noise.measured(columns, len(points), problem)
     known = columns.status[0] == OK
     cost = float(columns.costs[0, 0]) if known else None

@@ -93,7 +93,7 @@ function missing(gathered: Gathered | null | undefined, chosen: string, slices: 
 
 function footerOf(curves: readonly Curve[], absent: string) {
   const failed = curves.reduce((sum, curve) => sum + curve.status.filter((status) => status !== 'ok').length, 0)
-  const gaps = failed > 0 ? `${failed} of these evaluations have no value; the curves have gaps there.` : ''
+  const gaps = failed > 0 ? `${failed} of these evaluations ${failed === 1 ? 'has' : 'have'} no value; the curves have gaps there.` : ''
   return absent || gaps ? absent + gaps : undefined
 }
 

@@ -14,17 +14,17 @@ export const MEANING: Record<Fate, Meaning> = {
   failed: {
     word: 'Failed',
     name: 'failed',
-    text: 'the flight left the model’s envelope or the simulation broke off; its outcome is unknown, which rules out “cleared”',
+    text: 'the evaluation ended early, such as outside the model’s envelope or with an error; its outcome is unknown, which rules out “cleared”',
   },
   timeout: {
     word: 'Timed out',
     name: 'timed out',
-    text: 'the simulation exceeded its time limit; counted as failed',
+    text: 'the evaluation exceeded its time limit; counted as failed',
   },
   excluded: {
     word: 'Excluded',
     name: 'excluded',
-    text: 'the scenario’s precondition does not hold there; such an evaluation is no evidence either way',
+    text: 'a precondition does not hold there; such an evaluation is no evidence either way',
   },
 }
 

@@ -30,7 +30,7 @@ interface Props {
 }
 
 export function Reading({ space, at, lowest, simulated, failures, whatIf, onStep, onPick, flies }: Props) {
-  if (at === null) return <p className={clsx('small mut tn', styles.read)}>No evaluation is selected.</p>
+  if (at === null) return <p className={clsx('small mut tn', styles.read)}>No selected evaluation has a value.</p>
   const group = space.groups[space.of[at] as number]
   const fate = FATES[space.fates[at] as number]
   const values = space.axes.map((axis, k) => ({ axis, value: space.columns[k]?.[at] as number })).filter(({ value }) => !Number.isNaN(value))

@@ -101,7 +101,7 @@ export function SpaceCard({ data, evaluations, whatIf, onPick: pick }: Props) {
       title="Parameter space"
       note={
         space.count < space.total
-          ? `${count(space.count)} of ${count(space.total)} evaluations drawn: the lowest of each stage and an even selection${space.stored < space.total ? ` of the ${count(space.stored)} that are stored` : ''}`
+          ? `${count(space.count)} of ${count(space.total)} evaluations shown: the lowest of each stage and an even selection${space.stored < space.total ? ` of the ${count(space.stored)} that are stored` : ''}`
           : `All ${count(space.total)} evaluations of all stages`
       }
       run={run.id}

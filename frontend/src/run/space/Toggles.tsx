@@ -21,7 +21,7 @@ export function Toggles({ space, hidden, onToggle }: TogglesProps) {
         <Entry
           key={group.key}
           on={!hidden.has(group.key)}
-          title={`${count(group.shown)} of ${count(group.total)} evaluations drawn`}
+          title={`${count(group.shown)} of ${count(group.total)} evaluations shown`}
           onToggle={() => onToggle(group.key)}
         >
           <Mark method={group.method} />

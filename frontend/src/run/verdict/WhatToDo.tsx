@@ -6,6 +6,9 @@ import { methodLook } from '../../ui/methods'
 import { Retry } from '../header/Retry'
 import styles from './verdict.module.css'
 
+/** Stages that every run has. */
+const NEEDED: ReadonlySet<string> = new Set(['nominal', 'validate'])
+
 export function WhatToDo({ run, className }: { run: RunDetail; className: string | undefined }) {
   const stage = run.stages.find(({ state }) => state === 'running')
   const begun = run.stages.some(({ state }) => state !== 'waiting')
@@ -25,7 +28,7 @@ export function WhatToDo({ run, className }: { run: RunDetail; className: string
         {begun && <li>
           <b>Run it again</b> with the button above, as it is or changed. If it fails for the same reason
           {stage && ` in ${stage.method ? methodLook(stage.method).title : stage.kind}`}, take a smaller budget or step
-          {stage && ', or omit that stage'}, on the <Link to="/launch" search={{ from: run.id }}>launch page</Link>.
+          {stage && !NEEDED.has(stage.kind) && ', or omit that stage'}, on the <Link to="/launch" search={{ from: run.id }}>launch page</Link>.
         </li>}
         <li>
           <b>Read the log</b> of the worker{run.worker ? ` (${run.worker})` : ''}, in the folder <code>logs</code> of the

@@ -188,10 +188,10 @@ def test_every_outcome_has_its_sentence() -> None:
         "One call took 2 s (R-0001, 15 evaluations) and the start of a process 3 s; an evaluation of 5 calls takes "
         "about 6 s, on 4 slots; 2 more, each in a fresh process, confirm results.",
         "One evaluation took 2 s (R-0001, 15 evaluations, of which 3 failed), on 1 slot.",
-        "One evaluation took 2 s (R-0001, 15 evaluations), on 8 slots. The time for the most "
+        "One evaluation took 2 s (R-0001, 15 evaluations), on 8 slots. The time with all "
         "evaluations is that of one evaluation after the other.",
         "One evaluation took 2 s (R-0001, 15 evaluations), on 40 slots (counted as 16 evaluations side by side). The "
-        "time for the most evaluations is that of one evaluation after the other.",
+        "time with all evaluations is that of one evaluation after the other.",
         "In 10 min on 4 slots: about 800 evaluations. Proposed: Auto with 796, about 10 min in all",
         "In 10 min on 8 slots: at most about 2,400 evaluations. Proposed: Auto with 2,400, at least 10 min in all",
         "In 10 min on 40 slots (counted as 16 evaluations side by side): about 4,800 evaluations. Proposed: Auto with "

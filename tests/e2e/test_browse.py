@@ -308,12 +308,12 @@ def the_focus_returns(page: Page) -> None:
 
 
 def the_menu_has_the_focus_when_its_files_come(page: Page) -> None:
-    held: list[Route] = []
-    page.route(re.compile("/exports$"), lambda route: held.append(route))
+    requests: list[Route] = []
+    page.route(re.compile("/exports$"), lambda route: requests.append(route))
     page.get_by_role("button", name="Export").click()
     expect(page.get_by_role("menuitem", name="Loading the list of files")).to_be_focused()
-    until(lambda: bool(held), "the list is asked for", 20)
-    held[0].continue_()
+    until(lambda: bool(requests), "the list is asked for", 20)
+    requests[0].continue_()
     page.unroute_all()
     items = page.get_by_role("menuitem")
     expect(items.first).to_be_focused()

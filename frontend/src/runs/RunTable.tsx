@@ -128,6 +128,7 @@ function useKeys(
     const next = Math.min(runs.length - 1, Math.max(0, chosen + by))
     setChosen(next)
     reveal(next)
+    if (document.activeElement instanceof HTMLElement) document.activeElement.blur() // Enter is for the row then
   }
   const run = runs[chosen]
   useHotkeys({

@@ -162,8 +162,8 @@ def test_of_a_simulator_the_time_is_as_measured_or_how_to_measure_it(
         run(bare, "aa", measured(call_seconds=0.5, slots=2))
         told = estimate(client, package.campaign(seed=99))
         assert told["time_statement"] == (
-            "One evaluation took 500 ms (R-0001, 15 evaluations), on 2 slots; 202 more confirm results. The time for "
-            "the most evaluations is that of one evaluation after the other."
+            "One evaluation took 500 ms (R-0001, 15 evaluations), on 2 slots; 202 more confirm results. The time with "
+            "all evaluations is that of one evaluation after the other."
         )
         assert told["seconds"] == 0.5 * (-(-told["evaluations"] // 2) + 101)
         assert told["seconds_least"] == 0.5 * -(-told["least"] // 2), "with all slots busy"

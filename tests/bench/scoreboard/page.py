@@ -31,8 +31,7 @@ def _cells(part: Mapping[str, Any]) -> str:
 
 
 def _about(found: Mapping[str, Any]) -> list[str]:
-    taking_part = {name: most for name, most in LIMITS.items() if found["peers"].get(name, "ours")}
-    limits = ", ".join(f"{Contestant(name).title} {most}" for name, most in taking_part.items())
+    limits = ", ".join(f"{Contestant(name).title} {most}" for name, most in LIMITS.items())
     seconds = sum(part["seconds"] for part in found["parts"].values())
     peers = [f"| {PEERS[name].title} | {text or 'not installed'} |" for name, text in found["peers"].items()]
     return [

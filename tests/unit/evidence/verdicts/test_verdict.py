@@ -68,7 +68,7 @@ def test_a_verdict_contains_nominal_worst_case_provenance_and_statistics() -> No
     assert conclusion.worst == Worst(
         cost=WORST, margin=WORST - 0.5, evaluated=WORST, parameters={"vehicle.m": 6.0}, method="direct", finding="F1"
     )
-    assert conclusion.provenance == Provenance(clearance="test", digest=campaign().digest, seed=1)
+    assert conclusion.provenance == Provenance(clearance="test", wording=WORDING, digest=campaign().digest, seed=1)
     assert (conclusion.quantity, conclusion.unit) == ("d_min", "m")
     assert conclusion.statistics is not None
     assert conclusion.statistics.upper_bound == pytest.approx(0.00299, abs=1e-5)

@@ -9,6 +9,7 @@ from hypothesis import given as given_
 from hypothesis import settings
 from hypothesis import strategies as st
 
+from campaigns.claims.wording import WORDING
 from campaigns.codes import CheckCode
 from campaigns.results.base import Status
 from campaigns.results.finding import Repeated

@@ -29,6 +29,7 @@ class RefusalCode(StrEnum):
     OTHER_COMPONENTS = "other-components"
     OTHER_PLAN = "other-plan"
     OTHER_POINTS = "other-points"
+    OTHER_SCHEMA = "other-schema"
     OTHER_SOURCE = "other-source"
     TOO_LITTLE_MEMORY = "too-little-memory"
     UNREADABLE = "unreadable"

@@ -19,6 +19,7 @@ import typer
 
 from backend import secret_settings
 from backend.db import alone as locks
+from backend.db import revision
 from backend.db.engine import connect, connected, default_url, migrate, read
 from backend.db.registry import folder, services
 from campaigns.refusals import Refusal, RefusalCode
@@ -147,6 +148,7 @@ class StoredRun:
             return of_folder(self.place)
         try:
             with reading(self.place) as connection:
+                _this_schema(connection, self.sent or "the database")
                 return of_database(connection, self.run_id)
         except Refusal:
             raise
@@ -157,6 +159,18 @@ class StoredRun:
             raise WrongInputError(
                 f"{self.sent} has sent a record that cannot be read: {why}", RefusalCode.UNREADABLE
             ) from None
+
+
+def _this_schema(connection: sa.Connection, whose: str) -> None:
+    stored = revision.stored(connection)
+    if stored is None or stored == revision.newest():
+        return
+    what = f"{whose} has schema {stored}, and this version reads {revision.newest()}; nothing was changed: "
+    if stored in revision.known():
+        what += "start its service once on a copy of the database, which migrates that, and name the copy with --data"
+    else:
+        what += "use the newer version"
+    raise WrongInputError(what, RefusalCode.OTHER_SCHEMA)
 
 
 @contextmanager

@@ -68,11 +68,11 @@ def no_index(missing: int, evaluations: int) -> Spans:
     )
 
 
-def no_base_variance(evaluations: int) -> Spans:
+def few_decide(few: int, evaluations: int) -> Spans:
     """The variance is estimated from the base sample, although other evaluations of the design vary."""
     return say(
-        *("not computed: the variance is estimated from ", count(evaluations), " evaluations of the design"),
-        ", whose values do not differ enough; request more samples",
+        *("not computed: fewer than ", count(few), " of the ", count(evaluations)),
+        " evaluations that the variance is estimated from decide it; request more samples",
     )
 
 

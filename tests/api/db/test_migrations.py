@@ -17,6 +17,8 @@ from backend.db import revision
 from backend.db.engine import NewerSchemaError, connect, default_url, migrate
 from backend.db.migrate import config
 from backend.db.tables import Base
+from campaigns.refusals import RefusalCode
+from tests.given.refused_commands import refused
 
 
 @pytest.fixture
@@ -61,6 +63,18 @@ def test_a_database_of_a_later_version_is_refused(engine: sa.Engine, tmp_path: P
         connection.execute(sa.text("update alembic_version set version_num = '9999'"))
     with pytest.raises(NewerSchemaError, match="9999"):
         migrate(default_url(tmp_path))
+
+
+@pytest.mark.parametrize("command", ["audit", "replay"])
+def test_a_command_that_only_reads_refuses_another_schema(
+    command: str, engine: sa.Engine, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Of an earlier version it named the first column that it did not find, as if there were no run."""
+    migrate(default_url(tmp_path))
+    for stored in (sorted(revision.known())[-2], "9999"):
+        with engine.begin() as connection:
+            connection.execute(sa.text("update alembic_version set version_num = :stored"), {"stored": stored})
+        assert refused(capsys, command, "R-0001", "--data", tmp_path) == RefusalCode.OTHER_SCHEMA
 
 
 def test_a_migration_that_fails_leaves_nothing(engine: sa.Engine, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -32,6 +32,8 @@ from worker.engine.stages.parts.slices import curves
 
 MORRIS_STREAM, SOBOL_STREAM = 2**22, 2**22 + 1
 """Index of the random stream; searches use those from 0 on."""
+FEW = 5
+"""Evaluations of the base sample that decide the variance; the bootstrap of fewer gives too narrow an interval."""
 
 
 def run(context: Context, position: int) -> Outcome[SensitivityResult]:
@@ -145,12 +147,17 @@ def _unusable(batch: Batch) -> Spans | None:
 
 def _no_variance(values: Floats, parameters: int) -> Spans | None:
     """Why there is no variance to split; None if there is. Its estimate has the values of the base sample alone."""
-    base = np.concatenate([values[:: parameters + 2], values[parameters + 1 :: parameters + 2]])
     if _constant(values):
         return sentences.NO_VARIANCE
-    if _constant(base) or base.var() <= np.finfo(float).eps * values.var():
-        return sentences.no_base_variance(len(base))
-    return None
+    base = np.concatenate([values[:: parameters + 2], values[parameters + 1 :: parameters + 2]])
+    lost = _constant(base) or base.var() <= np.finfo(float).eps * values.var()
+    return sentences.few_decide(FEW, len(base)) if lost or _deciding(base) < FEW else None
+
+
+def _deciding(values: Floats) -> float:
+    """How many values alike would decide the variance as these do: the inverse of the sum of their squared parts."""
+    squares = np.square(values - values.mean())
+    return float(1 / np.square(squares / squares.sum()).sum())
 
 
 def _constant(values: Floats) -> bool:

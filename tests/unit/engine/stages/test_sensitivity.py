@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from campaigns import CampaignError
-from campaigns.claims.stages.surroundings import NO_VARIANCE, no_base_variance, no_index
+from campaigns.claims.stages.surroundings import NO_VARIANCE, few_decide, no_index
 from campaigns.results.base import OK
 from campaigns.results.indices import MorrisStudy, SobolStudy
 from campaigns.stages.plan import plan
@@ -17,6 +17,7 @@ from clearance.testing.problems import Problem
 from tests.given.sampled_stages import asked, context, evaluate
 from worker.engine.search.base import Batch, Floats
 from worker.engine.stages import sensitivity
+from worker.engine.stages.sensitivity import FEW
 from worker.running.runs.store import MemoryStore
 
 THREE: dict[str, Any] = {
@@ -124,8 +125,19 @@ def test_a_base_sample_that_does_not_vary_has_no_indices(beside: float) -> None:
         )
         study = shares_of(found)
         assert study.indices is None or any(row.total for row in study.indices)
-        total += study.statement == no_base_variance(2 * 64)
+        total += study.statement == few_decide(FEW, 2 * 64)
     assert total
+
+
+def test_where_few_evaluations_decide_there_are_no_indices() -> None:
+    """A corner that 0.1 % of the box has: total indices were stated as 0 ± 0 where a thousand times as many say 0.97."""
+    few, more = 0, 0
+    for seed in range(4):
+        corner = ran(lambda u: (u[:, 0] < 0.0316) & (u[:, 1] < 0.0316), {"sobol": {"samples": 1024}}, seed=seed)
+        few += shares_of(corner).indices is None
+        corner = ran(lambda u: (u[:, 0] < 0.1) & (u[:, 1] < 0.1), {"sobol": {"samples": 1024}}, seed=seed)
+        more += shares_of(corner).indices is not None
+    assert (few, more) == (4, 4)
 
 
 def test_a_constant_has_no_indices() -> None:

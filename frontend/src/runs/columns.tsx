@@ -226,7 +226,7 @@ function Margin({ run, context }: { run: RunSummary; context: CellContext }) {
         {unit}
       </span>
       {run.margin !== null && run.threshold ? (
-        <MarginBar margin={run.margin} threshold={run.threshold} open={run.failed_evaluations > 0} />
+        <MarginBar margin={run.margin} threshold={run.threshold} cleared={run.verdict === 'cleared'} />
       ) : (
         <span style={{ width: 50 }} />
       )}

@@ -26,12 +26,12 @@ export function WithinBounds({ width = 104, ...place }: PlaceProps & { width?: n
 interface MarginProps {
   margin: number
   threshold: number
-  /** Evaluations failed, so that the margin is only that of the others: it is not drawn as satisfied. */
-  open?: boolean
+  /** Only the margin of a cleared run is drawn as satisfied: without that it is the lowest value that was seen. */
+  cleared: boolean
 }
 
-/** A margin as a fraction of the criterion: to the right if satisfied, to the left if violated; spans 30 %. */
-export function MarginBar({ margin, threshold, open }: MarginProps) {
+/** A margin as a fraction of the criterion: to the right if above the threshold, to the left if violated; spans 30 %. */
+export function MarginBar({ margin, threshold, cleared }: MarginProps) {
   const share = Math.max(-1, Math.min(1, margin / (0.3 * Math.abs(threshold) || 1)))
   const violated = margin <= 0
   const length = Math.max(1.5, Math.abs(share) * 24)
@@ -43,7 +43,7 @@ export function MarginBar({ margin, threshold, open }: MarginProps) {
         y={2.5}
         width={length}
         height={7}
-        fill={violated ? 'var(--bad-solid)' : open ? 'var(--unk-solid)' : 'var(--ok-solid)'}
+        fill={violated ? 'var(--bad-solid)' : cleared ? 'var(--ok-solid)' : 'var(--unk-solid)'}
       />
     </svg>
   )

@@ -264,11 +264,9 @@ class Run:
 
     def _fixed_seed(self, path: str) -> bool:
         part, _, name = path.rpartition(".")
-        realised = name == "seed" and part.startswith(
-            ("environment.", "faults.")
-        )  # by the realisations of the campaign
+        by_realisation = name == "seed" and part.startswith(("environment.", "faults."))
         ends = name.lower().rstrip("_0123456789").endswith(("seed", "seeds"))
-        return ends and not realised and path not in self.campaign.uncertain
+        return ends and not by_realisation and path not in self.campaign.uncertain
 
     def describe(self) -> None:
         """Look up the run's parameters and methods in the catalogue, and select the sample for the probability."""

@@ -34,6 +34,7 @@ influence or avoidance in tests/unit/evidence/verdicts. `out_of_reach` is as `ne
 
 @pytest.mark.by_day(2)
 @pytest.mark.by_day(4)
+@pytest.mark.timeout(600)
 @pytest.mark.parametrize("kind", nightly_but(BY_DAY, NAMES))
 def test_one_of_every_class(kind: str) -> None:
     outcome = attack(made(NAMES.index(kind), 0))

@@ -163,6 +163,8 @@ class Later(Result):
     vehicle: Annotated[bool | None, UNLESS_NONE] = None
     """Of one that is not known: whether that is because the vehicle would come so close only if it went straight on
     for longer than it is followed; else omitted, as in results of earlier versions."""
+    goal: Annotated[float | None, UNLESS_NONE] = None
+    """Of one that is not known because the vehicle comes to its goal only after it is simulated: how long after [s]."""
 
 
 class Beyond(Result):

@@ -12,6 +12,7 @@ import pytest
 from tests.given.beyond_horizon import met, place, travelling, under_way
 from worker.engine.components.obstacles import cooperative_circle
 from worker.engine.systems.closed_loop import further
+from worker.engine.systems.closed_loop.ending import End
 from worker.engine.systems.closed_loop.onward import Path
 from worker.engine.systems.closed_loop.parts import Installed
 from worker.running.catalogue.entries import component_entry
@@ -19,6 +20,15 @@ from worker.running.catalogue.installed import catalogue, components
 from worker.running.opening import opened
 
 HORIZON = 5.0
+
+
+@pytest.fixture(autouse=True)
+def without_a_goal(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> None:
+    """What lies ahead of a vehicle that flies straight on for ever, as one without a goal may."""
+    if "to_its_goal" not in request.function.__name__:
+        monkeypatch.setattr(End, "arriving", lambda _: iter(()))
+
+
 Points = np.ndarray[Any, np.dtype[np.float64]]
 
 
@@ -295,3 +305,38 @@ def test_what_comes_to_the_place_about_which_a_vehicle_moves_is_not_known(monkey
     found = met(crossing)
     assert found.unknown is not None
     assert (found.unknown.obstacle, found.unknown.vehicle) == (1, True)
+
+
+@pytest.mark.parametrize(("horizons", "aside"), [(4.0, 3.0), (-0.5, 3.0), (-9.0, -30.0), (90.0, 500.0)])
+def test_nothing_is_known_of_a_vehicle_under_way_to_its_goal(horizons: float, aside: float) -> None:
+    """It turns there: an aircraft that passed its goal came to an obstacle beside its line."""
+    found = met(travelling(obstacle("circle", horizons, aside)))
+    assert found.unknown is not None
+    assert found.unknown.vehicle
+    _, velocity = under_way()
+    assert found.unknown.goal == pytest.approx(math.hypot(600.0, 700.0) / np.linalg.norm(velocity), rel=0.1)
+    assert found.unknown.time > HORIZON + found.unknown.goal
+
+
+@pytest.mark.parametrize(("speed", "known"), [(0.5, False), (3.0, True)])
+def test_what_outruns_a_vehicle_under_way_to_its_goal_is_not_met(speed: float, known: bool) -> None:
+    here, velocity = under_way()
+    drift = -speed * velocity
+    away = {"position": place(*(here - 300.0 * velocity)), "goal": place(*(here + 1e5 * drift)), "radius": 0.3}
+    away |= {"speed": float(np.linalg.norm(drift))}
+    alone = travelling(scenario__obstacles=[{"component": "moving_circle", "parameters": away}])
+    assert (met(alone).unknown is None) == known
+
+
+@pytest.mark.parametrize("seed", range(20))
+@pytest.mark.parametrize("faster", [0.5, 1.0, 2.0])
+def test_when_a_vehicle_first_reaches_what_moves_straight_on(seed: int, faster: float) -> None:
+    relative, drift = np.random.default_rng(seed).normal(size=(2, 3))
+    speed = faster * float(np.linalg.norm(drift))
+    found, times = further.reaching(relative, drift, speed), np.linspace(0.0, 500.0, 500_001)
+    gap = np.linalg.norm(relative + times[:, None] * drift, axis=1) - speed * times
+    if math.isfinite(found) and found < 500.0:
+        assert np.linalg.norm(relative + found * drift) == pytest.approx(speed * found)
+        assert (gap[times < found - 1e-3] > 0.0).all()
+    else:
+        assert (gap > 0.0).all()

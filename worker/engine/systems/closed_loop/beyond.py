@@ -181,6 +181,7 @@ def _extrapolated(flights: Flights, row: Floats, trace: Floats, last: int, below
         yield from found
         if all(each.value > flights.threshold for each in found):
             yield from end.turning(onward, moves)
+            yield from end.arriving()
 
 
 def _met(end: End, onward: Onward, moves: Motion, closing: bool) -> Iterator[Approach]:
@@ -223,4 +224,5 @@ def _later(flights: Flights, name: str, row: Floats, continued: Continued, appro
         simulated=approach.obstacle is None,
         until=last * flights.step if continued.failed else None,
         vehicle=True if approach.vehicle else None,
+        goal=approach.goal,
     )

@@ -13,7 +13,17 @@ import numpy as np
 from worker.engine.systems.base import Floats
 from worker.engine.systems.closed_loop.ahead import SAME, Ahead, Leg
 from worker.engine.systems.closed_loop.flights import Flights
-from worker.engine.systems.closed_loop.further import GROWS, MOMENTS, Remaining, after, crossing, passing, turning
+from worker.engine.systems.closed_loop.further import (
+    GROWS,
+    MOMENTS,
+    TOWARDS,
+    Remaining,
+    after,
+    crossing,
+    passing,
+    reaching,
+    turning,
+)
 from worker.engine.systems.closed_loop.onward import Motion, Onward, Path, leaves
 from worker.engine.systems.closed_loop.trace import Seen
 from worker.engine.systems.closed_loop.uniform import pivots, uniform
@@ -22,13 +32,14 @@ from worker.engine.systems.closed_loop.uniform import pivots, uniform
 class Approach(NamedTuple):
     """An approach after the horizon: the criterion's value, the obstacle, and the time after the horizon [s]; of one
     that is simulated the latter two are not known yet. known: False if the obstacle may come closer than that, or if
-    it depends on how the vehicle moves on (vehicle)."""
+    it depends on how the vehicle moves on (vehicle), from its goal if it comes there [s] after it was simulated."""
 
     value: float = math.inf
     obstacle: int | None = None
     time: float = 0.0
     known: bool = True
     vehicle: bool = False
+    goal: float | None = None
 
 
 def by_value(approach: Approach) -> float:
@@ -127,9 +138,23 @@ class End(NamedTuple):
         distance, after = turning(relative, self.own, further.turned, half, np.minimum(times, lasts), further.steady)
         yield from self._open(distance - self.extent, after, vehicle=True)
 
+    def arriving(self) -> Iterator[Approach]:
+        """What a vehicle under way to its goal comes to after that is not known: it may turn there, and go anywhere
+        that what moves straight on does not escape from."""
+        further, own, i = self.further(), self.own, self.obstacle
+        speed, way = float(np.linalg.norm(own)), self.seen.goal - self.seen.positions[1]
+        if further.about > 0.0 or not way @ own > TOWARDS * float(np.linalg.norm(way)) * speed:
+            return
+        comes = float(way @ own) / speed**2
+        if comes <= further.lasts:
+            drift = (self.seen.centres[1, i] - self.seen.centres[0, i]) / self.flights.step
+            relative = self.seen.centres[1, i] - self.seen.positions[1] + comes * (drift - own)
+            after = comes + reaching(relative, drift, speed)
+            yield from (each._replace(goal=comes) for each in self._open(-self.extent, after, vehicle=True))
+
     def _open(self, low: float, after: float, vehicle: bool) -> Iterator[Approach]:
         """An approach that is not known, where it would come to the threshold, and below the evaluations."""
-        if low <= self.flights.threshold and low < self.below:
+        if math.isfinite(after) and low <= self.flights.threshold and low < self.below:
             yield Approach(low, self.obstacle, self.since + after, known=False, vehicle=vehicle)
 
     def followed(self, onward: Onward, moves: Motion) -> Iterator[Approach]:

@@ -30,6 +30,8 @@ GROWS = 2.0
 STEADY = 0.4, 0.05
 """What turned in the last quarter of a horizon by this fraction of its turn in the last half, which is so large [rad],
 may turn on for ever, on a circle."""
+TOWARDS = 0.5
+"""The least cosine of the angle between its velocity and the way to its goal of a vehicle that is under way to it."""
 MOMENTS = 1000
 """For which a turn is followed."""
 
@@ -118,6 +120,15 @@ def crossing(relative: Floats, velocity: Floats, lasts: float, drift: Floats) ->
         times += [(s, t)] if 0.0 <= s <= lasts and t >= 0.0 else []
     found = [(float(np.linalg.norm(relative + t * drift - s * velocity)), s) for s, t in times]
     return min(found)
+
+
+def reaching(relative: Floats, drift: Floats, speed: float) -> float:
+    """When a vehicle first reaches what is at a place and moves straight on, in whatever direction it goes [s]."""
+    square, along, away = float(drift @ drift) - speed**2, float(relative @ drift), float(relative @ relative)
+    root = along**2 - square * away
+    if along < 0.0:
+        return away / (math.sqrt(root) - along) if root >= 0.0 else math.inf
+    return (along + math.sqrt(root)) / -square if square < 0.0 else math.inf
 
 
 def passing(relative: Floats, velocity: Floats, lasts: float) -> tuple[Floats, Floats]:

@@ -142,6 +142,13 @@ class Seen:
         at = self.flights.paths.get(path)
         return 0.0 if at is None else float(self.vector[at])
 
+    @property
+    def goal(self) -> Floats:
+        """The place of the goal [m]; not a number for an avoider with another kind of goal."""
+        if "goal.x" not in self.flights.paths:
+            return np.full(3, np.nan)
+        return np.array([self.parameter(f"goal.{axis}") for axis in "xyz"])
+
 
 def _further(flights: Flights) -> list[int]:
     """The indices of the vehicle's states that are not part of the pose."""

@@ -25,6 +25,8 @@ NULL_STEP = 0.4
 REACH = 10.0
 """Farther from the origin nothing matters: the probability beyond is below 1e-23."""
 IDLE, CONVERGED = 3, 0.985
+DEEPER = 1.05
+"""A violation so much farther on its ray that has the value of the first one there shows that there is no slope."""
 PARTS, RADII = np.array([1.0, 0.4, 0.1]), np.array([1.0, 1.03, 1.1])
 """Of a step towards the projection, and of the distance to the origin there."""
 
@@ -37,14 +39,17 @@ class Cut(NamedTuple):
 
 
 def cost(dimension: int) -> int:
-    """Evaluations that one polished point takes at most."""
-    return sum(GRID) + STEPS * (1 + dimension + 2 * len(PARTS) * len(RADII)) + sum(LAST_GRID)
+    """Evaluations that one polished point takes at most; one without a slope takes fewer."""
+    return sum(GRID) + 2 + STEPS * (1 + dimension + 2 * len(PARTS) * len(RADII)) + sum(LAST_GRID)
 
 
 def polished(points: Floats, allowed: Allowance) -> Asking[tuple[Floats, Floats]]:
     """The design points (k, n) reached from violations (k, n), and the slopes there; every one violates."""
     found = yield from nearest_on_rays(points, allowed)
-    query, idle = found.copy(), np.zeros(len(found), dtype=int)
+    near = yield from evaluated(found, allowed)
+    deep = yield from evaluated(DEEPER * points, allowed)
+    flat = (near.margins == deep.margins) | (np.isnan(near.margins) & np.isnan(deep.margins))
+    query, idle = found.copy(), np.where(flat, IDLE, 0)
     cuts: list[list[Cut]] = [[] for _ in found]
     for _ in range(STEPS):
         rows = np.flatnonzero(idle < IDLE)
@@ -64,19 +69,35 @@ def polished(points: Floats, allowed: Allowance) -> Asking[tuple[Floats, Floats]
         # What ends a step is linearised where it has begun to be safe.
         query[rows] = np.where(gained[:, None], closer, closer + NULL_STEP * (targets[:, 1] - closer))
     slopes = np.array([-own[-1].slope if own else np.zeros(points.shape[1]) for own in cuts])
+    found[flat] = yield from _one_by_one(found[flat], allowed)
     return (yield from nearest_on_rays(found, allowed, LAST_GRID)), slopes
 
 
-def nearest_on_rays(points: Floats, allowed: Allowance, grid: tuple[int, ...] = GRID) -> Asking[Floats]:
-    """The first violations on the segments from the origin to violations, to a hundredth of the length."""
+def _one_by_one(points: Floats, allowed: Allowance) -> Asking[Floats]:
+    """Violations with every coordinate in turn as near to 0 as violates: where no slope shows which one decides."""
+    found = points.copy()
+    for i in range(points.shape[1]):
+        without = found.copy()
+        without[:, i] = 0.0
+        found = yield from nearest_on_rays(found, allowed, LAST_GRID, without)
+    return found
+
+
+def nearest_on_rays(
+    points: Floats, allowed: Allowance, grid: tuple[int, ...] = GRID, origins: Floats | None = None
+) -> Asking[Floats]:
+    """The first violations on the segments from the origin, or other places, to violations, to a hundredth of the
+    length."""
+    begin = np.zeros_like(points) if origins is None else origins
     low, high = np.zeros(len(points)), np.ones(len(points))
     for count in grid:
         parts = np.linspace(low, high, count + 2)[1:-1]
-        seen = yield from evaluated((parts[:, :, None] * points).reshape(-1, points.shape[1]), allowed)
+        tried = begin + parts[:, :, None] * (points - begin)
+        seen = yield from evaluated(tried.reshape(-1, points.shape[1]), allowed)
         violates = np.vstack([seen.violates.reshape(count, -1), np.ones(len(points), dtype=bool)])
         first, ends = violates.argmax(axis=0), np.vstack([low, parts, high])
         low, high = ends[first, np.arange(len(points))], ends[first + 1, np.arange(len(points))]
-    return high[:, None] * points
+    return np.asarray(begin + high[:, None] * (points - begin))
 
 
 def gradients(here: Evaluated, allowed: Allowance) -> Asking[Floats]:

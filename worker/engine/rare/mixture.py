@@ -20,6 +20,8 @@ LEAST_SHARE = 0.3
 """Of an even division among the modes: what a mode is drawn at least."""
 WIDER = 1.2
 """The adapted covariances are drawn wider by this factor: what they miss has large weights."""
+NEARER = 0.97
+"""A violation that is so much nearer to the origin than the design point of its mode takes its place."""
 CENTRE_WEIGHT = 5.0
 """Draws that the centre expected of a half-space counts as; its covariance counts as the dimension and five."""
 
@@ -86,7 +88,7 @@ class Mixture:
         """A cross-entropy step: fitted to weighted violations, towards the half-spaces where they are few."""
         if not len(points):
             return self
-        start = Mixture.of(self.designs)
+        start = Mixture.of(self._nearer(points))
         n = points.shape[1]
         by_mode = self.responsible(points) * (weights / weights.sum())[:, None]
         totals = by_mode.sum(axis=0)
@@ -100,7 +102,17 @@ class Mixture:
             apart = points - centres[k]
             prior = n + 5.0
             covariances[k] = (e * (apart.T * own) @ apart + prior * start.covariances[k]) / (e + prior)
-        return replace(self, centres=centres, covariances=covariances, shares=totals / totals.sum())
+        return replace(start, centres=centres, covariances=covariances, shares=totals / totals.sum())
+
+    def _nearer(self, points: Floats) -> Floats:
+        """The designs, or a more likely violation of their mode: without slopes a descent ends before the limit."""
+        designs, lengths = self.designs.copy(), np.linalg.norm(points, axis=1)
+        modes = self.responsible(points).argmax(axis=1)
+        for k in range(len(designs)):
+            own = np.flatnonzero(modes == k)
+            if len(own) and lengths[nearest := own[lengths[own].argmin()]] < NEARER * np.linalg.norm(designs[k]):
+                designs[k] = points[nearest]
+        return designs
 
 
 def _half_space(design: Floats) -> tuple[Floats, Floats]:

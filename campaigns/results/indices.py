@@ -34,7 +34,8 @@ class MorrisStudy(IndexStudy):
 
 
 class SobolRow(Result):
-    """Fractions of the variance due to one parameter, with the half width of their interval."""
+    """Fractions of the variance due to one parameter, with the half width of their interval, null where too few
+    evaluations decide them."""
 
     path: str
     first: float | None

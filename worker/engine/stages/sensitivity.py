@@ -32,8 +32,8 @@ from worker.engine.stages.parts.slices import curves
 
 MORRIS_STREAM, SOBOL_STREAM = 2**22, 2**22 + 1
 """Index of the random stream; searches use those from 0 on."""
-FEW = 5
-"""Evaluations of the base sample that decide the variance; the bootstrap of fewer gives too narrow an interval."""
+FEW = 10
+"""Evaluations that decide the variance, or an index: the bootstrap of fewer gives too narrow an interval."""
 
 
 def run(context: Context, position: int) -> Outcome[SensitivityResult]:
@@ -107,6 +107,7 @@ def sobol(
     found = analysis.analyze(
         box, values, calc_second_order=False, conf_level=confidence, seed=int(random.integers(2**31))
     )
+    _without_few(found, values)
     columns = {"first": "S1", "first_confidence": "S1_conf", "total": "ST", "total_confidence": "ST_conf"}
     rows = [SobolRow(path=path, **values) for path, values in _rows(problem, found, columns)]
     leading = _leading(problem, {row.path: row.total for row in rows})
@@ -155,9 +156,25 @@ def _no_variance(values: Floats, parameters: int) -> Spans | None:
 
 
 def _deciding(values: Floats) -> float:
-    """How many values alike would decide the variance as these do: the inverse of the sum of their squared parts."""
-    squares = np.square(values - values.mean())
-    return float(1 / np.square(squares / squares.sum()).sum())
+    """How many values alike would decide the variance as these do."""
+    return _alike(np.square(values - values.mean()))
+
+
+def _alike(parts: Floats) -> float:
+    """Of so many equal parts the sum of the squares would be the same."""
+    total = np.abs(parts).sum()
+    return float(1 / np.square(parts / total).sum()) if total else 0.0
+
+
+def _without_few(found: Any, values: Floats) -> None:
+    """Remove the intervals of indices that few evaluations decide: Saltelli et al. (2010), equations (b) and (f)."""
+    designs = len(found["ST"]) + 2
+    first, base = values[::designs], values[designs - 1 :: designs]
+    for k in range(designs - 2):
+        one = values[k + 1 :: designs]
+        for name, parts in ("S1_conf", (base - values.mean()) * (one - first)), ("ST_conf", np.square(first - one)):
+            if _alike(parts) < FEW:
+                found[name][k] = np.nan
 
 
 def _constant(values: Floats) -> bool:

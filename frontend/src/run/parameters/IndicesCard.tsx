@@ -45,7 +45,7 @@ export function IndicesCard({ data, result }: IndicesCardProps) {
           {morris?.indices && `μ, μ* and σ are per whole range, in ${run.unit}. `}
           {morris && !morris.indices && <Spans spans={[words('Morris: '), ...morris.statement, words('. ')]} />}
           {sobol?.indices &&
-            `Indices are fractions of the variance, ± half the width of their ${confidenceText(sobol.confidence)} interval by bootstrap, which is too narrow where few samples decide the variance.`}
+            `Indices are fractions of the variance, ± half the width of their ${confidenceText(sobol.confidence)} interval by bootstrap, where at least ten evaluations decide them.`}
           {sobol && !sobol.indices && <Spans spans={[words('Sobol: '), ...sobol.statement, words('.')]} />}
         </>
       }

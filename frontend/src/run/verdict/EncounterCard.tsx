@@ -122,7 +122,12 @@ function Onward({ beyond, measures, ...value }: Value & { beyond: Beyond; measur
         )}
         {unknown && (
           <span className="unk-t">
-            ; not known how {unknown.vehicle ? 'the vehicle' : 'the obstacle'} moves on: {at(unknown, value)}
+            ; not known how {unknown.vehicle ? 'the vehicle' : 'the obstacle'} moves on
+            {typeof unknown.goal !== 'number' ? (
+              <>: {at(unknown, value)}</>
+            ) : (
+              ` from its goal: ${unknown.name} comes there ${plain(unknown.goal, 4)} s after it was simulated`
+            )}
           </span>
         )}
       </dd>

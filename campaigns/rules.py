@@ -242,7 +242,8 @@ RULES = (
     Rule(
         CheckCode.INFLUENCE,
         "Effect of the parameters",
-        "The criterion varies over the evaluations, by more than the noise of a simulator.",
+        "The criterion varies over the evaluations, by more than the noise of a simulator, and every fault and part of "
+        "the environment changes a flight.",
         intended="No uncertain parameter need change the criterion.",
     ),
     Rule(

@@ -128,6 +128,8 @@ class Shown:
     """Where the criterion does not compute the distance that it declares; None if it does."""
     begins: Mapping[str, tuple[float, float]] = field(default_factory=dict)
     """As in `Encounter`."""
+    idle: Mapping[str, int] = field(default_factory=dict)
+    """As in `Encounter`."""
 
 
 @dataclass(frozen=True)

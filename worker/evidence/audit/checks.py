@@ -44,9 +44,10 @@ def required_checks(run: Run, agreed: bool) -> dict[str, bool]:
 
 
 def _never(run: Run) -> bool:
-    """Whether a fault, or the environment, first changes after the end of every flight."""
-    begins = (run.claims["results"][-1].get("encounter") or {}).get("begins") or {}
-    return any(first >= run.campaign.given_scenario.horizon for first, _ in begins.values())
+    """Whether a fault, or the environment, first changes after the end of every flight, or changes none."""
+    encounter = run.claims["results"][-1].get("encounter") or {}
+    begins = (encounter.get("begins") or {}).values()
+    return bool(encounter.get("idle")) or any(first >= run.campaign.given_scenario.horizon for first, _ in begins)
 
 
 def as_stated(run: Run) -> dict[str, bool]:

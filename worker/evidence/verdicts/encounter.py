@@ -6,7 +6,7 @@ Each is a separate check with advice on what to change. An author may state in t
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 
 from campaigns import rules
 from campaigns.claims.say import Part, capital, case, count, limit, listed, number, on_side, say, symbol
@@ -269,6 +269,8 @@ def _influence(problem: Problem, evidence: Evidence) -> Condition:
         return False, _no_effect(problem, evidence)
     if never := [path for path, (first, _) in evidence.encounter.begins.items() if first >= _horizon(problem)]:
         return False, _never(problem, never[0], *evidence.encounter.begins[never[0]])
+    if evidence.encounter.idle:
+        return False, _idle(problem, evidence.encounter.idle)
     measured = evidence.nominal.measured
     if measured is not None and measured.deviation and by <= rules.ABOVE_NOISE.value * measured.deviation:
         noise = number(measured.deviation, unit, "deviation")
@@ -303,6 +305,14 @@ def _never(problem: Problem, path: str, first: float, last: float) -> Spans:
     then = say(number(first, "s", "first", 4), *(() if first == last else (" to ", number(last, "s", "last", 4))))
     lasts = say(", and flights last ", number(_horizon(problem), "s", "horizon", 4))
     return say(f"{_part(problem, path)} first changes at ", then, lasts, "; begin it earlier, or remove it")
+
+
+def _idle(problem: Problem, idle: Mapping[str, int]) -> Spans:
+    """That faults, or parts of the environment, change no flight, so that nothing is shown about them."""
+    parts, change = listed([_part(problem, path) for path in idle]), "changes" if len(idle) == 1 else "change"
+    flights = count(min(idle.values()), "compared")
+    what = "it, or give it values" if len(idle) == 1 else "them, or give them values"
+    return say(parts, f" {change} none of ", flights, f" flights over the bounds; remove {what} that have an effect")
 
 
 def _horizon(problem: Problem) -> float:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import Any
 
 import pytest
@@ -106,3 +106,31 @@ def stuck(at: float, over: float = 0.0, **uncertain: Any) -> Campaign:
 )  # fmt: skip
 def test_what_begins_only_after_the_horizon_is_named(campaign: Campaign, begins: dict[str, Any]) -> None:
     assert encounter.late(opened.flights(campaign, compiled=False, lanes=1)) == begins
+
+
+def met_by(fault: dict[str, Any], environment: Sequence[dict[str, Any]] = (), **uncertain: Any) -> Campaign:
+    kept = load_file(library()["unicycle_static"]).document()["uncertain"]
+    return changed(faults=[fault], environment=[*environment], uncertain=kept | uncertain)
+
+
+NOISE = {"component": "sensor_noise", "parameters": {"sigma": 0.1}}
+WIND = {"component": "steady_wind", "parameters": {"x": 57.0}}
+GUSTS = {"component": "dryden_gusts", "parameters": {"W": 20.0}}
+
+
+@pytest.mark.parametrize(
+    ("campaign", "idle"),
+    [
+        (met_by(NOISE), []),
+        (met_by(NOISE, [WIND, GUSTS]), ["environment.0", "environment.1"]),
+        (met_by({"component": "sensor_noise"}), ["faults.0"]),
+        (met_by({"component": "sensor_noise"}, **{"faults.0.sigma": {"low": 0.0, "high": 0.1}}), []),
+        (met_by({"component": "blackout", "parameters": {"at": 0.5, "duration": 0.0}}), ["faults.0"]),
+    ],
+    ids=["noise", "wind on a ground robot", "no noise", "up to a bound", "of no duration"],
+)
+def test_what_changes_no_flight_is_named(campaign: Campaign, idle: list[str], monkeypatch: pytest.MonkeyPatch) -> None:
+    """Of a robot in a wind of 57 m/s that moves no robot, "cleared ... with Steady wind" was stated."""
+    monkeypatch.setattr(encounter, "COMPARED", (2, 1))
+    found = encounter.idle(opened.flights(campaign, compiled=False, lanes=1))
+    assert found == dict.fromkeys(idle, 4)

@@ -284,6 +284,10 @@ ON = "when simulated on to 30 s"
             "vehicle (unicycle) first changes at 15 s, and flights last 15 s; begin it earlier, or remove it",
         ),
         (
+            "influence", False, met(idle={"vehicle": 117}),
+            "changes none of 117 flights over the bounds; remove it, or give it values that have an effect",
+        ),
+        (
             "influence", False, met(spread=FLAT),
             "no uncertain parameter changes d_min; choose parameters that the encounter depends on",
         ),

@@ -40,6 +40,7 @@ def encounter(
         moved=None if shown is None else shown.moved,
         unseen=None if shown is None else shown.unseen,
         begins={} if shown is None else dict(shown.begins),
+        idle={} if shown is None else dict(shown.idle),
         mismeasured=None if shown is None else shown.mismeasured,
         spread=spread,
         influence=influence(curves),

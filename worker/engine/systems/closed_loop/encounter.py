@@ -22,6 +22,8 @@ from worker.engine.systems.closed_loop.trace import trace
 
 UNSEEN = FaultPart(component="blackout", parameters={"at": 0.0, "duration": 1e6})
 """No obstacle is ever seen: the avoider steers to the goal as if there were none."""
+COMPARED = 16, 100
+"""Flights that are compared with and without a part that does not change the nominal one; the more only if needed."""
 
 
 def shown(flights: Flights, nominal: Trace) -> Shown:
@@ -32,6 +34,7 @@ def shown(flights: Flights, nominal: Trace) -> Shown:
         _unseen(flights.campaign, flights.installed, nominal),
         in_flights(flights),
         late(flights),
+        idle(flights),
     )
 
 
@@ -53,6 +56,51 @@ def late(flights: Flights) -> dict[str, tuple[float, float]]:
         if last > horizon or first == horizon:
             found[prefix] = (first, last)
     return found
+
+
+def idle(flights: Flights) -> dict[str, int]:
+    """By path, the faults and the environment that change no bit of so many flights: of the path of the nominal one, or
+    of the criteria of points spread over the bounds. With its default values each has no effect."""
+    found = {}
+    for prefix, part in flights.parts.named.items():
+        if isinstance(part, Fault | Environment):
+            usual = getattr(part.parameters, "_field_defaults", {}).items()
+            neutral = {at: float(value) for name, value in usual if (at := f"{prefix}.{name}") in flights.paths}
+            if not _changes(flights, neutral):
+                found[prefix] = 1 + sum(COMPARED)
+    return found
+
+
+def _changes(flights: Flights, neutral: dict[str, float]) -> bool:
+    own = flights.nominal[None, :]
+    if not np.array_equal(
+        *(_simulated(flights, rows, traced=1) for rows in _both(flights, own, neutral)), equal_nan=True
+    ):
+        return True
+    chance, bounds = np.random.default_rng(1), flights.campaign.uncertain
+    for count in COMPARED:
+        rows = np.repeat(own, count, axis=0)
+        for path, uncertain in bounds.items():
+            low, high = uncertain.interval(float(flights.nominal[flights.paths[path]]))
+            rows[:, flights.paths[path]] = chance.uniform(low, high, count)
+        if not np.array_equal(*(_simulated(flights, each) for each in _both(flights, rows, neutral)), equal_nan=True):
+            return True
+    return False
+
+
+def _both(flights: Flights, rows: Floats, neutral: dict[str, float]) -> tuple[Floats, Floats]:
+    without = rows.copy()
+    for path, value in neutral.items():
+        without[:, flights.paths[path]] = value
+    return rows, without
+
+
+def _simulated(flights: Flights, rows: Floats, traced: int = 0) -> Floats:
+    """The states of the vehicle in the first flight, or the criteria of all, each under every realisation."""
+    realised, (steps, every) = flights.realisations.flights(rows), flights.counts(flights.step)
+    made = flights.loop.simulate(realised, flights.step, steps, every, traced=traced)
+    states: Floats = made.trace[0][:, : len(flights.parts.vehicle.states)] if traced else made.costs
+    return states
 
 
 def _moved(flight: Trace) -> float | None:

@@ -113,7 +113,7 @@ def met_by(fault: dict[str, Any], environment: Sequence[dict[str, Any]] = (), **
     return changed(faults=[fault], environment=[*environment], uncertain=kept | uncertain)
 
 
-NOISE = {"component": "sensor_noise", "parameters": {"sigma": 0.1}}
+LOSS = {"component": "actuator_loss", "on": "torque"}
 WIND = {"component": "steady_wind", "parameters": {"x": 57.0}}
 GUSTS = {"component": "dryden_gusts", "parameters": {"W": 20.0}}
 
@@ -121,13 +121,13 @@ GUSTS = {"component": "dryden_gusts", "parameters": {"W": 20.0}}
 @pytest.mark.parametrize(
     ("campaign", "idle"),
     [
-        (met_by(NOISE), []),
-        (met_by(NOISE, [WIND, GUSTS]), ["environment.0", "environment.1"]),
-        (met_by({"component": "sensor_noise"}), ["faults.0"]),
-        (met_by({"component": "sensor_noise"}, **{"faults.0.sigma": {"low": 0.0, "high": 0.1}}), []),
+        (met_by(LOSS | {"parameters": {"loss": 0.3}}), []),
+        (met_by(LOSS | {"parameters": {"loss": 0.3}}, [WIND, GUSTS]), ["environment.0", "environment.1"]),
+        (met_by(LOSS), ["faults.0"]),
+        (met_by(LOSS, **{"faults.0.loss": {"low": 0.0, "high": 0.1}}), []),
         (met_by({"component": "blackout", "parameters": {"at": 0.5, "duration": 0.0}}), ["faults.0"]),
     ],
-    ids=["noise", "wind on a ground robot", "no noise", "up to a bound", "of no duration"],
+    ids=["a loss", "wind on a ground robot", "no loss", "up to a bound", "of no duration"],
 )
 def test_what_changes_no_flight_is_named(campaign: Campaign, idle: list[str], monkeypatch: pytest.MonkeyPatch) -> None:
     """Of a robot in a wind of 57 m/s that moves no robot, "cleared ... with Steady wind" was stated."""

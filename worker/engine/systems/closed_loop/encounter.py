@@ -72,30 +72,29 @@ def idle(flights: Flights) -> dict[str, int]:
 
 
 def _changes(flights: Flights, neutral: dict[str, float]) -> bool:
-    own = flights.nominal[None, :]
-    if not np.array_equal(
-        *(_simulated(flights, rows, traced=1) for rows in _both(flights, own, neutral)), equal_nan=True
-    ):
+    """Whether the default values of a part change a flight."""
+    own, chance = flights.nominal[None, :], np.random.default_rng(1)
+    if _differ(flights, own, neutral, traced=1):
         return True
-    chance, bounds = np.random.default_rng(1), flights.campaign.uncertain
     for count in COMPARED:
         rows = np.repeat(own, count, axis=0)
-        for path, uncertain in bounds.items():
-            low, high = uncertain.interval(float(flights.nominal[flights.paths[path]]))
-            rows[:, flights.paths[path]] = chance.uniform(low, high, count)
-        if not np.array_equal(*(_simulated(flights, each) for each in _both(flights, rows, neutral)), equal_nan=True):
+        for path, uncertain in flights.campaign.uncertain.items():
+            at = flights.paths[path]
+            rows[:, at] = chance.uniform(*uncertain.interval(float(own[0, at])), count)
+        if _differ(flights, rows, neutral):
             return True
     return False
 
 
-def _both(flights: Flights, rows: Floats, neutral: dict[str, float]) -> tuple[Floats, Floats]:
-    without = rows.copy()
-    for path, value in neutral.items():
-        without[:, flights.paths[path]] = value
-    return rows, without
+def _differ(flights: Flights, rows: Floats, values: dict[str, float], traced: int = 0) -> bool:
+    other = rows.copy()
+    for path, value in values.items():
+        other[:, flights.paths[path]] = value
+    one, two = (_simulated(flights, each, traced) for each in (rows, other))
+    return not np.array_equal(one, two, equal_nan=True)
 
 
-def _simulated(flights: Flights, rows: Floats, traced: int = 0) -> Floats:
+def _simulated(flights: Flights, rows: Floats, traced: int) -> Floats:
     """The states of the vehicle in the first flight, or the criteria of all, each under every realisation."""
     realised, (steps, every) = flights.realisations.flights(rows), flights.counts(flights.step)
     made = flights.loop.simulate(realised, flights.step, steps, every, traced=traced)

@@ -4,31 +4,24 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
+from functools import cache
 from typing import Any
 
 import numpy as np
 import pytest
 
-from tests.given.beyond_horizon import met, place, travelling, under_way
+from clearance.testing.problems import Problem
+from tests.given.beyond_horizon import STEP, met, place, travelling, under_way
 from worker.engine.components.obstacles import cooperative_circle
 from worker.engine.systems.closed_loop import further
-from worker.engine.systems.closed_loop.ending import End
 from worker.engine.systems.closed_loop.onward import Path
 from worker.engine.systems.closed_loop.parts import Installed
+from worker.engine.systems.closed_loop.trace import trace
 from worker.running.catalogue.entries import component_entry
 from worker.running.catalogue.installed import catalogue, components
 from worker.running.opening import opened
 
 HORIZON = 5.0
-
-
-@pytest.fixture(autouse=True)
-def without_a_goal(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> None:
-    """What lies ahead of a vehicle that flies straight on for ever, as one without a goal may."""
-    if "to_its_goal" not in request.function.__name__:
-        monkeypatch.setattr(End, "arriving", lambda _: iter(()))
-
-
 Points = np.ndarray[Any, np.dtype[np.float64]]
 
 
@@ -307,25 +300,44 @@ def test_what_comes_to_the_place_about_which_a_vehicle_moves_is_not_known(monkey
     assert (found.unknown.obstacle, found.unknown.vehicle) == (1, True)
 
 
-@pytest.mark.parametrize(("horizons", "aside"), [(4.0, 3.0), (-0.5, 3.0), (-9.0, -30.0), (90.0, 500.0)])
-def test_nothing_is_known_of_a_vehicle_under_way_to_its_goal(horizons: float, aside: float) -> None:
+STEADILY = {"component": "none", "parameters": {"k_att": 5.0, "s": 7.0}}
+"""Attraction that is constant until the goal is near, so that the vehicle does not slow down before."""
+
+
+@cache
+def steadily() -> tuple[Points, Points]:
+    """Place and velocity of that vehicle after twice its horizon."""
+    longer = Problem(travelling(scenario__horizon=2.0 * HORIZON, scenario__avoider=STEADILY), compiled=False)
+    path = trace(longer.system, "nominal", {}).data  # type: ignore[arg-type]
+    return path[-1, 1:3], (path[-1, 1:3] - path[-2, 1:3]) / STEP
+
+
+@pytest.mark.parametrize("at", [(300.0, 380.0), (700.0, 700.0), (-900.0, 50.0)])
+def test_nothing_is_known_of_a_vehicle_under_way_to_its_goal(at: tuple[float, float]) -> None:
     """It turns there: an aircraft that passed its goal came to an obstacle beside its line."""
-    found = met(travelling(obstacle("circle", horizons, aside)))
+    beside = {"component": "circle", "parameters": {"position": place(*at), "radius": 0.3}}
+    found = met(travelling(beside, scenario__avoider=STEADILY))
     assert found.unknown is not None
     assert found.unknown.vehicle
-    _, velocity = under_way()
-    assert found.unknown.goal == pytest.approx(math.hypot(600.0, 700.0) / np.linalg.norm(velocity), rel=0.1)
+    here, velocity = steadily()
+    way = float(np.linalg.norm(np.array([600.0, 700.0]) - here))
+    assert found.unknown.goal == pytest.approx(way / np.linalg.norm(velocity), rel=0.01)
     assert found.unknown.time > HORIZON + found.unknown.goal
+
+
+def test_a_vehicle_that_comes_to_rest_at_its_goal_gets_no_farther() -> None:
+    assert met(travelling(obstacle("circle", 4.0, 3.0))).unknown is None
 
 
 @pytest.mark.parametrize(("speed", "known"), [(0.5, False), (3.0, True)])
 def test_what_outruns_a_vehicle_under_way_to_its_goal_is_not_met(speed: float, known: bool) -> None:
-    here, velocity = under_way()
+    here, velocity = steadily()
     drift = -speed * velocity
     away = {"position": place(*(here - 300.0 * velocity)), "goal": place(*(here + 1e5 * drift)), "radius": 0.3}
     away |= {"speed": float(np.linalg.norm(drift))}
-    alone = travelling(scenario__obstacles=[{"component": "moving_circle", "parameters": away}])
-    assert (met(alone).unknown is None) == known
+    alone = [{"component": "moving_circle", "parameters": away}]
+    found = met(travelling(scenario__obstacles=alone, scenario__avoider=STEADILY))
+    assert (found.unknown is None) == known
 
 
 @pytest.mark.parametrize("seed", range(20))

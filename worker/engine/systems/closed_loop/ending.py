@@ -16,6 +16,7 @@ from worker.engine.systems.closed_loop.flights import Flights
 from worker.engine.systems.closed_loop.further import (
     GROWS,
     MOMENTS,
+    PAST,
     TOWARDS,
     Remaining,
     after,
@@ -139,14 +140,14 @@ class End(NamedTuple):
         yield from self._open(distance - self.extent, after, vehicle=True)
 
     def arriving(self) -> Iterator[Approach]:
-        """What a vehicle under way to its goal comes to after that is not known: it may turn there, and go anywhere
-        that what moves straight on does not escape from."""
+        """What a vehicle under way to its goal comes to after that is not known, unless it slows down to come to rest
+        there: it may turn, and go anywhere that what moves straight on does not escape from."""
         further, own, i = self.further(), self.own, self.obstacle
         speed, way = float(np.linalg.norm(own)), self.seen.goal - self.seen.positions[1]
         if further.about > 0.0 or not way @ own > TOWARDS * float(np.linalg.norm(way)) * speed:
             return
         comes = float(way @ own) / speed**2
-        if comes <= further.lasts:
+        if comes * PAST <= further.lasts:
             drift = (self.seen.centres[1, i] - self.seen.centres[0, i]) / self.flights.step
             relative = self.seen.centres[1, i] - self.seen.positions[1] + comes * (drift - own)
             after = comes + reaching(relative, drift, speed)

@@ -32,6 +32,9 @@ STEADY = 0.4, 0.05
 may turn on for ever, on a circle."""
 TOWARDS = 0.5
 """The least cosine of the angle between its velocity and the way to its goal of a vehicle that is under way to it."""
+PAST = 2.0
+"""A vehicle that slows down passes its goal if it would get so many times as far; one that comes to rest there gets as
+far as it is."""
 MOMENTS = 1000
 """For which a turn is followed."""
 

@@ -22,7 +22,7 @@ from backend.db import audit
 from backend.db.digest import results_digest
 from backend.db.engine import ask, is_sqlite, now, read
 from backend.db.reset import RESULTS
-from backend.db.rows import made_again_before, own_question
+from backend.db.rows import at_or_below, made_again_before, own_question
 from backend.db.tables import (
     EvaluationChunk,
     Run,
@@ -228,11 +228,8 @@ def violates() -> sa.ColumnElement[bool]:
     other = orm.aliased(Run)
     of = sa.select(sa.func.max(other.threshold)).join(RunRequirement, RunRequirement.run_id == other.id)
     of = of.where(other.question == Run.question, other.removed.is_(None))
-    limits = (Run.threshold, of.correlate(Run).scalar_subquery())
-    stages = sa.select(Stage.best).where(Stage.run_id == Run.id, own_question())
-    best = (stages.where(Stage.best <= limit).exists() for limit in limits)
-    seen = (column <= limit for column in (Run.worst_cost, Run.made_again) for limit in limits)
-    return sa.or_(Run.verdict == VerdictWord.VIOLATED, *seen, *best)
+    required = of.correlate(Run).scalar_subquery()
+    return sa.or_(Run.verdict == VerdictWord.VIOLATED, at_or_below(Run.threshold), at_or_below(required))
 
 
 def _pragma(reader: sa.Connection, name: str) -> int:

@@ -145,6 +145,12 @@ def own_question() -> sa.ColumnElement[bool]:
     return Stage.kind.in_(_kinds())
 
 
+def at_or_below(limit: sa.ColumnExpressionArgument[float | None] | float) -> sa.ColumnElement[bool]:
+    """Whether a run found a value at or below the limit, in a stage or in an evaluation made again."""
+    stages = sa.select(Stage.run_id).where(Stage.run_id == Run.id, own_question(), Stage.best <= limit)
+    return sa.or_(Run.worst_cost <= limit, Run.made_again <= limit, stages.exists())
+
+
 def lowered(connection: sa.Connection, run_id: int, kind: str, method: str | None, cost: float) -> None:
     """A stage of the kind has evaluated a cost; `method` is that of a search."""
     if kind not in _kinds():
@@ -154,19 +160,22 @@ def lowered(connection: sa.Connection, run_id: int, kind: str, method: str | Non
 
 
 def made_again(connection: sa.Connection, run_id: int, result: StageResult, findings: Sequence[Finding]) -> None:
-    """A stage has ended: keep the lowest value that it saw in evaluations made again, its own or those of findings."""
+    """A stage has ended: keep the lowest value that it saw in evaluations made again, its own or those of findings.
+
+    It is the lowest value of the run as well until a verdict states another: a run may end without one.
+    """
     if values := _seen(result, (f.validation for f in findings)):
-        lower = sa.or_(Run.made_again.is_(None), Run.made_again > min(values))
-        connection.execute(sa.update(Run).where(Run.id == run_id, lower).values(made_again=min(values)))
+        for column in (Run.made_again, Run.worst_cost):
+            lower = sa.or_(column.is_(None), column > min(values))
+            connection.execute(sa.update(Run).where(Run.id == run_id, lower).values({column: min(values)}))
 
 
 def made_again_before(reader: sa.Connection, runs: Sequence[int]) -> dict[int, float]:
     """The same of these runs, which workers of earlier versions ended without keeping it, by run."""
     found: dict[int, float] = {}
-    kinds = [kind for kind, stage in declared().items() if stage.of_findings]
     for some in portions(runs):
-        ended = (Stage.kind.in_(kinds), Stage.state == StageState.DONE, Stage.run_id.in_(some))
-        for run_id, stored in reader.execute(sa.select(Stage.run_id, Stage.result).where(*ended)).all():
+        ended = sa.select(Stage.run_id, Stage.result).where(_confirmed(), Stage.run_id.in_(some))
+        for run_id, stored in reader.execute(ended).all():
             cases = reader.scalars(sa.select(FindingRow.validation).where(FindingRow.run_id == run_id)).all()
             with suppress(ValidationError):  # of another version, whose values are unknown here
                 result = as_result(stored)
@@ -174,6 +183,18 @@ def made_again_before(reader: sa.Connection, runs: Sequence[int]) -> dict[int, f
                 if result is not None and (values := _seen(result, confirmed)):
                     found[run_id] = min(values)
     return found
+
+
+def unread() -> sa.ColumnElement[bool]:
+    """Whether only `made_again_before` can tell the lowest value that a run saw again."""
+    return sa.and_(
+        Run.made_again.is_(None), sa.select(Stage.run_id).where(Stage.run_id == Run.id, _confirmed()).exists()
+    )
+
+
+def _confirmed() -> sa.ColumnElement[bool]:
+    kinds = [kind for kind, stage in declared().items() if stage.of_findings]
+    return sa.and_(Stage.kind.in_(kinds), Stage.state == StageState.DONE)
 
 
 def _seen(result: StageResult, cases: Iterable[Validation | None]) -> list[float]:

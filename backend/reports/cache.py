@@ -18,6 +18,7 @@ import sqlalchemy as sa
 from backend.catalog.service import published_digest
 from backend.db.tables import Run, RunBaseline, RunLabel, Stage
 from backend.runs.question import asked_again
+from backend.runs.violations import sentence_of
 from backend.signoffs import service as signoffs
 from campaigns.runs import ENDED
 
@@ -41,6 +42,7 @@ def key(reader: sa.Connection, run_id: int, pages: Path) -> str | None:
         _rows(reader, RunLabel, RunLabel.run_id == run_id, RunLabel.key),
         published_digest(reader),
         asked_again(reader, run_id),
+        sentence_of(reader, run_id),
         str(pages),
     ]
     return hashlib.sha256(repr(parts).encode()).hexdigest()

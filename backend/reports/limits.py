@@ -5,10 +5,15 @@ from __future__ import annotations
 from backend.reports import words
 from backend.reports.charts import sample
 from backend.reports.record import Record
+from backend.runs.question import WORDS
+from backend.runs.schemas import StageDetail
 from campaigns.checked.check import SEED, parts
 from campaigns.claims import numbers, spans
-from campaigns.claims.say import listed
+from campaigns.claims.say import listed, on_side, say
+from campaigns.claims.spans import Spans
+from campaigns.runs import StageState
 
+_NO_BOUND = "no bound on the probability of a violation is claimed"
 _ENDS = {
     "": "",
     "centre": "Distances are measured to the obstacles’ centres: the threshold must include their size.",
@@ -35,7 +40,7 @@ def conditions(record: Record) -> list[str]:
 def validation(record: Record) -> str:
     """What was validated, and what that does not show."""
     if record.validated is None:
-        return "Nothing was validated."
+        return "Validation is not finished." if _begun(record, "validate") else "Nothing was validated."
     if record.campaign.scenario is not None:
         covers = "Validation covers the numerical integration (step halving, reference integrator)"
         rest = "It does not compare the model with the vehicle."
@@ -43,6 +48,31 @@ def validation(record: Record) -> str:
         covers = "Validation repeats evaluations with the same simulator"
         rest = "It does not show that the simulator computes correctly."
     return f"{covers}{_around(record)}. {rest}"
+
+
+def not_validated(record: Record) -> str:
+    """Why no validated case is stated, by the state of the stage: it may have begun."""
+    begun = _begun(record, "validate")
+    if begun is None:
+        return "No case was validated: the numbers of this report are not confirmed independently."
+    made = f"{numbers.count(begun.evaluations)} evaluation{'' if begun.evaluations == 1 else 's'} of it were made"
+    return f"Validation is not finished: {made}. The numbers of this report are not confirmed independently."
+
+
+def not_sampled(record: Record) -> Spans:
+    """Why no sample is stated, by the state of the stage; the lowest value of what was drawn of it."""
+    begun = _begun(record, "certify")
+    if begun is None or not begun.evaluations:
+        return say(f"No independent random sample was simulated: {_NO_BOUND}")
+    drawn = f"{numbers.count(begun.evaluations)} of {numbers.count(begun.planned)} planned draws were simulated"
+    lowest: Spans = ()
+    if begun.best is not None and record.run.threshold is not None:
+        lowest = say(", the lowest of which has ", on_side(begun.best, record.run.threshold, record.run.unit))
+    return say(f"The independent sample is not finished: {drawn}", *lowest, f"; {_NO_BOUND}")
+
+
+def _begun(record: Record, kind: str) -> StageDetail | None:
+    return next((s for s in record.stages if s.kind == kind and s.state != StageState.WAITING), None)
 
 
 def _around(record: Record) -> str:
@@ -66,9 +96,7 @@ def _question_count(record: Record) -> str:
             "No other run of this service asks the same question: the same system, bounds and criterion, at any "
             "threshold."
         )
-    each = ", ".join(
-        f"{numbers.count(n)} {'without a verdict' if word == 'none' else word}" for word, n in record.question.items()
-    )
+    each = ", ".join(f"{numbers.count(n)} {WORDS.get(word, word)}" for word, n in record.question.items())
     return (
         f"{numbers.count(runs)} runs of this service ask the same question, the same system, bounds and criterion at "
         f"any threshold, removed ones included: {each}."

@@ -132,6 +132,8 @@ def _context(record: Record) -> dict[str, object]:
         "encounter": validation.encounter(record),
         "limits": limits.conditions(record),
         "validated": limits.validation(record),
+        "not_validated": limits.not_validated(record),
+        "not_sampled": limits.not_sampled(record),
         "checks": [] if verdict is None else verdict.checks,
         "sample": charts.sample(record),
         "certificate": record.certificate,

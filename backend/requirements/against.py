@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 import unicodedata
 from collections import defaultdict
-from collections.abc import Collection, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import lru_cache
 from itertools import chain
@@ -20,71 +20,33 @@ from sqlalchemy import orm
 
 from backend.db.engine import chunks
 from backend.db.purge import violates
-from backend.db.rows import made_again_before, own_question
 from backend.db.sweeps import in_sweep
-from backend.db.tables import CampaignRow, Run, RunRequirement, Stage
+from backend.db.tables import CampaignRow, Run, RunRequirement
 from backend.requirements.standing import EARLIER, Edge, How, how, newest_of
-from backend.runs import identity
+from backend.runs import violations
+from backend.runs.violations import MOST_NAMED, Found, named, violating
 from campaigns.alike import plain
-from campaigns.identity.identity import UNSTORED
-from campaigns.results.verdict import VerdictWord
-from campaigns.runs import RunState, run_name
-
-MOST_NAMED = 20
-"""Runs or ids that a sentence names."""
-
-
-def judged(state: str, word: str | None) -> VerdictWord | None:
-    return None if word is None or state != RunState.DONE else VerdictWord(word)
 
 
 def against(reader: sa.Connection, edges: Mapping[str, Sequence[Edge]]) -> list[Edge]:
-    """All other runs of the campaigns of these names that violate, or found a value that would violate one of these.
+    """All other runs that ask the same and violate, or found a value that would violate one of these.
 
-    They need not state the requirement, and may be cancelled, or of a sweep: the value was found all the same. The
-    questions of `edges` decide which of them count, see `standing`.
+    They need not state the requirement, and may be cancelled, of a sweep, or of a campaign of another name: the value
+    was found all the same. A run whose question is not stored can only speak against its own campaign. Which of them
+    count, `standing` decides.
     """
-    highest: dict[str, float] = {}
-    for edge in (e for found in edges.values() for e in found):
-        threshold = -math.inf if edge.threshold is None else edge.threshold
-        highest[edge.campaign] = max(highest.get(edge.campaign, -math.inf), threshold)
-    found = []
-    for some in chunks(highest):
-        for row, value in _valued(reader, CampaignRow.name.in_(some), Run.removed.is_(None), Run.purged.is_(None)):
-            if judged(row.state, row.verdict) == VerdictWord.VIOLATED or value <= highest[row.name]:
-                found.append((row, value))
-    return _as_edges(reader, found)
+    every = [e for found in edges.values() for e in found]
+    limit = max((e.threshold for e in every if e.threshold is not None), default=-math.inf)
+    asked: list[Edge] = []
+    for some in chunks({e.question for e in every if e.question}):
+        asked += _edges(violating(reader, limit, Run.question.in_(some)))
+    for some in chunks({e.campaign for e in every if not e.question}):
+        asked += _edges(violating(reader, limit, Run.question.is_(None), CampaignRow.name.in_(some)))
+    return asked
 
 
-def _valued(reader: sa.Connection, *conditions: sa.ColumnElement[bool]) -> list[tuple[Any, float]]:
-    """Runs with the lowest value of any of their evaluations; infinite without one."""
-    lowest = sa.select(sa.func.min(Stage.best)).where(Stage.run_id == Run.id, own_question())
-    worst = lowest.scalar_subquery().label("worst")
-    columns = (Run.id, Run.state, Run.verdict, Run.threshold, Run.worst_cost, Run.made_again, Run.question)
-    of = sa.select(*columns, CampaignRow.name, worst).join(CampaignRow, CampaignRow.digest == Run.campaign_digest)
-    rows: Sequence[Any] = reader.execute(of.where(*conditions)).all()
-    before, found = made_again_before(reader, [row.id for row in rows if row.made_again is None]), []
-    for row in rows:
-        again = before.get(row.id, row.made_again)
-        values = [value for value in (row.worst_cost, again, row.worst) if value is not None]
-        found.append((row, min(values, default=math.inf)))
-    return found
-
-
-def _as_edges(reader: sa.Connection, found: Sequence[tuple[Any, float]]) -> list[Edge]:
-    known = identity.of_runs(reader, [row.id for row, _ in found])
-    return [
-        Edge(
-            row.id,
-            row.name,
-            row.question or "",
-            judged(row.state, row.verdict),
-            known.get(row.id, UNSTORED),
-            threshold=row.threshold,
-            worst=value,
-        )
-        for row, value in found
-    ]
+def _edges(some: Iterable[Found]) -> list[Edge]:
+    return [Edge(**vars(one)) for one in some]
 
 
 @dataclass(frozen=True)
@@ -132,10 +94,8 @@ def _speaking(reader: sa.Connection, ids: Sequence[str], gone: sa.ColumnElement[
 
 
 def _removed(reader: sa.Connection, runs: Collection[int]) -> dict[int, Edge]:
-    found: list[Edge] = []
-    for some in chunks(runs):
-        found += _as_edges(reader, _valued(reader, Run.id.in_(some)))
-    return {edge.run_id: edge for edge in found}
+    found = chain.from_iterable(violations.found(reader, Run.id.in_(some)) for some in chunks(runs))
+    return {edge.run_id: edge for edge in _edges(found)}
 
 
 def _spoke(removed: Sequence[Edge], stating: Sequence[Edge], edges: Sequence[Edge]) -> dict[How, list[int]]:
@@ -190,11 +150,6 @@ def similar(reader: sa.Connection, ids: Sequence[str], every: sa.CompoundSelect[
     return {key: [one for one in wanted[_fold(key)] if one != key] for key in ids}
 
 
-def _named(runs: Sequence[int]) -> str:
-    rest = len(runs) - MOST_NAMED
-    return ", ".join(map(run_name, runs[:MOST_NAMED])) + (f" and {rest} more" if rest > 0 else "")
-
-
 REMOVED: dict[How, str] = {
     "violated": "of those that asked the same, {} violated it",
     "found": "of those that asked the same, {} found a value at or below the newest threshold",
@@ -209,7 +164,7 @@ REMOVED: dict[How, str] = {
 def notes(ignored: Ignored, similar: Sequence[str]) -> Iterator[str]:
     """Further notes for a reader of the status: exports have them as well."""
     spoke = ignored.spoke
-    if clauses := [text.format(_named(spoke[way])) for way, text in REMOVED.items() if way in spoke]:
+    if clauses := [text.format(named(spoke[way])) for way, text in REMOVED.items() if way in spoke]:
         yield f"Removed runs do not count; {'; '.join(clauses)}."
     if similar:
         others = ", ".join(map(repr, similar[:MOST_NAMED]))

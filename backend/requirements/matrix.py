@@ -25,6 +25,7 @@ from backend.requirements.schemas import RequirementPage, RequirementRow, Requir
 from backend.requirements.standing import Edge, Standing, standing
 from backend.runs import identity
 from backend.runs.outcomes import Outcome, outcomes
+from backend.runs.violations import judged
 from backend.signoffs import present
 from backend.signoffs.standing import UNSIGNED, Signature, signatures
 from backend.signoffs.texts import Texts, texts
@@ -153,7 +154,7 @@ def _edges(reader: sa.Connection, ids: Sequence[str]) -> dict[str, list[Edge]]:
     first: dict[tuple[str, str], int] = {}
     newest: set[tuple[str, str]] = set()
     for key, run_id, question, state, word, name, threshold in reader.execute(of):
-        verdict = against.judged(state, word)
+        verdict = judged(state, word)
         found[key].append(Edge(run_id, name, question or "", verdict, UNSTORED, threshold=threshold))
         first.setdefault((key, name), run_id)
         if verdict == VerdictWord.VIOLATED or (verdict is not None and (key, name) not in newest):

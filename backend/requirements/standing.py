@@ -11,7 +11,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Literal, get_args
 
-from campaigns.identity.identity import Identity, may_equal
+from backend.runs.violations import Found, above, at_threshold, same_case
 from campaigns.results.regression import PolicyWord
 from campaigns.results.verdict import VerdictWord
 from campaigns.runs import run_name
@@ -34,20 +34,13 @@ ONLY_OWN = " only by who launched it"
 
 
 @dataclass(frozen=True)
-class Edge:
-    """One run of a requirement. question: see `campaigns.checked.question`; not_sampled and earlier_rules: as
-    its outcome has them;
+class Edge(Found):
+    """One run of a requirement. not_sampled and earlier_rules: as its outcome has them;
     signed: whether a valid sign-off covers its results; repeats: the signed run that it repeats, if it was not signed
     itself; own: whether only users who launched the signed run have signed; not_carried: why
     no earlier sign-off counts for it; changes: what has changed since it ran, as
-    clauses; threshold and worst: of its criterion, and the lowest value of any evaluation [unit of the criterion];
-    policy: what that of its campaign says of the changes since its baseline."""
+    clauses; policy: what that of its campaign says of the changes since its baseline."""
 
-    run_id: int
-    campaign: str
-    question: str
-    verdict: VerdictWord | None
-    identity: Identity
     not_sampled: bool = False
     earlier_rules: bool = False
     signed: bool = False
@@ -55,8 +48,6 @@ class Edge:
     own: bool = False
     not_carried: str | None = None
     changes: tuple[str, ...] = ()
-    threshold: float | None = None
-    worst: float | None = None
     policy: PolicyWord | None = None
 
 
@@ -82,7 +73,7 @@ def standing(edges: Sequence[Edge], others: Sequence[Edge] = (), sweeps: int = 0
     names = dict.fromkeys(e.campaign for e in edges)
     newest = [newest_of([e for e in edges if e.campaign == name]) for name in names]
     found = [
-        _of_campaign(name, [e for e in edges if e.campaign == name], [e for e in others if e.campaign == name])
+        _of_campaign(name, [e for e in edges if e.campaign == name], [e for e in others if _asks(e, name)])
         for name in names
     ]
     worst = min((one.status for one in found), key=ORDER.index)
@@ -95,6 +86,11 @@ def standing(edges: Sequence[Edge], others: Sequence[Edge] = (), sweeps: int = 0
         frozenset().union(*(one.evidence for one in found)),
         frozenset().union(*(one.violations for one in found)),
     )
+
+
+def _asks(other: Edge, name: str) -> bool:
+    """Whether another run can speak against the campaign of a name: by its question, by the name if that is unknown."""
+    return bool(other.question) or other.campaign == name
 
 
 def _earlier(newest: Sequence[Edge]) -> str:
@@ -123,14 +119,14 @@ def how(edge: Edge, newest: Edge) -> How | None:
     `found higher` met a higher threshold only; `before` and `other` violated another question, or on another model.
     """
     earlier, violated = edge.run_id < newest.run_id, edge.verdict == VerdictWord.VIOLATED
-    if not _same(edge, newest):
+    if not same_case(edge, newest):
         return ("before" if earlier else "other") if violated else None
-    if _at_threshold(edge, newest):
+    if at_threshold(edge, newest):
         return "violated" if violated else "found"
     if violated:
         return "lowered" if earlier else "higher"
-    known = edge.worst is not None and edge.threshold is not None and _above(edge.threshold, newest.threshold)
-    return "found higher" if known and not _above(edge.worst, edge.threshold) else None
+    known = edge.worst is not None and edge.threshold is not None and above(edge.threshold, newest.threshold)
+    return "found higher" if known and not above(edge.worst, edge.threshold) else None
 
 
 def _of_campaign(name: str, edges: Sequence[Edge], others: Sequence[Edge]) -> Standing:
@@ -193,11 +189,6 @@ def _listed(edges: Sequence[Edge]) -> str:
     return ", ".join(run_name(e.run_id) for e in edges)
 
 
-def _same(edge: Edge, newest: Edge) -> bool:
-    """Whether it asked the same question of what may be the same model."""
-    return edge.question == newest.question and may_equal(edge.identity, newest.identity)
-
-
 def _stands(edge: Edge, newest: Edge) -> bool:
     """Whether a run violates, or found a value that would, with the question and the model of the newest run.
 
@@ -205,18 +196,7 @@ def _stands(edge: Edge, newest: Edge) -> bool:
     """
     if edge.run_id == newest.run_id and newest.verdict is not None:
         return edge.verdict == VerdictWord.VIOLATED
-    return _same(edge, newest) and _at_threshold(edge, newest)
-
-
-def _at_threshold(edge: Edge, newest: Edge) -> bool:
-    """Whether it violates the threshold of the newest run, or found a value that would."""
-    if edge.verdict == VerdictWord.VIOLATED and not _above(edge.threshold, newest.threshold):
-        return True
-    return edge.worst is not None and newest.threshold is not None and edge.worst <= newest.threshold
-
-
-def _above(one: float | None, other: float | None) -> bool:
-    return one is not None and other is not None and one > other
+    return same_case(edge, newest) and at_threshold(edge, newest)
 
 
 def _violated(name: str, violations: Sequence[Edge], newest: Edge) -> str:

@@ -11,11 +11,11 @@ from fastapi.concurrency import run_in_threadpool
 from backend.catalog.service import published
 from backend.db import workers
 from backend.db.engine import ask, now, read
-from backend.db.purge import violates
 from backend.db.tables import Run
 from backend.http.errors import RefusedError
 from backend.runs import earlier_rules, identity
 from backend.runs.components import components
+from backend.runs.violations import LISTED, against
 from campaigns import Campaign
 from campaigns.identity.identity import UNSTORED, same
 from campaigns.results.verdict import VerdictWord
@@ -61,17 +61,16 @@ def reusable(reader: sa.Connection, campaign: Campaign, sample_seed: int | None 
 
     Its identity and its descriptions must be the installed ones, as far as workers publish them; what is not
     identified is not taken for equal. Any sample seed will do if none is stated. A run that violates comes before all
-    newer ones, which missed a case that exists; one without a verdict, or with another sample than the stated, leaves
-    none to reuse. What earlier rules cleared is not reused.
+    newer ones, which missed a case that exists; of others none is reused if any run speaks against it, also one of
+    another seed, budget or sample, or without a verdict. What earlier rules cleared is not reused.
     """
-    usable = sa.and_(Run.state == RunState.DONE, Run.verdict.is_not(None), earlier_rules.TODAY)
+    usable = [Run.campaign_digest == campaign.digest, Run.state == RunState.DONE, Run.verdict.is_not(None)]
+    usable += [*LISTED, earlier_rules.TODAY]
     if sample_seed is not None:
-        usable = sa.and_(usable, Run.sample_seed == sample_seed)
-    first = sa.case((Run.verdict == VerdictWord.VIOLATED, 0), (violates(), 1), else_=2)
-    query = sa.select(Run.id, Run.flown, usable.label("usable")).where(
-        Run.campaign_digest == campaign.digest, Run.removed.is_(None), Run.purged.is_(None), sa.or_(usable, first < 2)
-    )
-    for run_id, flown, answers in reader.execute(query.order_by(first, Run.id.desc()).limit(LOOKED_AT)).all():
+        usable.append(Run.sample_seed == sample_seed)
+    first = sa.case((Run.verdict == VerdictWord.VIOLATED, 0), else_=1)
+    query = sa.select(Run.id, Run.flown).where(*usable).order_by(first, Run.id.desc()).limit(LOOKED_AT)
+    for run_id, flown in reader.execute(query).all():
         then = identity.of_run(reader, run_id)
         now = None if then is None else identity.of_installed(reader, campaign, then)
         if then is None or now is None or not same(then, now) or Versions.of(flown).command:
@@ -81,7 +80,7 @@ def reusable(reader: sa.Connection, campaign: Campaign, sample_seed: int | None 
         except RefusedError:  # another version stored them
             continue
         if descriptions.digest is not None and not descriptions.changes:
-            return int(run_id) if answers else None
+            return None if against(reader, [run_id]) else int(run_id)
     return None
 
 

@@ -277,6 +277,9 @@ class RunDetail(RunSummary):
     unconfirmed: Spans = ()
     """Of a cancelled or failed run: the sentence on its lowest value, where that is at or below the threshold and thus
     speaks against a requirement without a verdict; empty otherwise."""
+    against: str = ""
+    """Of a run that is cleared or inconclusive: the listed runs that violate its criterion, or found a value at or
+    below its threshold, with or without a verdict, on the same question and model, a sentence; empty without any."""
     rules: str
     """That earlier rules cleared it, sentences; empty for any other run."""
     untraced: str

@@ -28,6 +28,7 @@ from backend.runs.schemas import (
 )
 from backend.runs.tombstones import refuse_purged
 from backend.runs.traces import no_trace
+from backend.runs.violations import sentence_of
 from campaigns import Campaign
 from campaigns.asked.sample_bound import bound
 from campaigns.checked import best_bound
@@ -99,6 +100,7 @@ def detail(reader: sa.Connection, run_id: int) -> RunDetail:
         stages=stages,
         summary=verdict,
         unconfirmed=unconfirmed(base.state, base.worst_cost, base.threshold, base.unit),
+        against=sentence_of(reader, run_id),
         rules=by_earlier_rules(base.id) if base.earlier_rules else "",
         untraced="" if campaign.simulator is None else no_trace(reader, run_id),
         rate=pace.rate,

@@ -15,6 +15,7 @@ from backend.db.sweeps import in_sweep
 from backend.db.tables import CampaignRow, Run
 from backend.db.tables import Signoff as Row
 from backend.runs import identity
+from backend.runs.violations import against, clause
 from backend.signoffs.persons import person
 from backend.signoffs.present import Present, changes, present
 from backend.signoffs.repeats import COLUMNS, CONCLUDED, Repeats
@@ -37,7 +38,7 @@ class Signature:
     owner: str
     """Who launched the signed run."""
     changed: tuple[str, ...]
-    """What has changed since the run, but for texts of requirements."""
+    """What speaks against the run and what has changed since, but for texts of requirements."""
     texts: Texts
     repeated_by: int | None = None
 
@@ -127,6 +128,7 @@ def signatures(reader: sa.Connection, run_ids: Collection[int], now: Present | N
     repeats, known = Repeats(reader), texts(reader, runs)
     newest = {run_id: repeats.newest(runs[run_id]) for run_id in concluded & runs.keys() & sources.keys()}
     now = present(reader, {row.campaign for row in runs.values()}) if now is None else now
+    speaking = against(reader, runs)
     signed: dict[int, Signed] = {}
     for run_id, run in runs.items():
         own = [row for row in found if row.run_id == run_id]
@@ -142,6 +144,8 @@ def signatures(reader: sa.Connection, run_ids: Collection[int], now: Present | N
         changed = tuple(
             changes(now, run_id, "" if run_id in swept else run.campaign, run.document, identity.of_row(run))
         )
+        if run_id in speaking:
+            changed = (clause(speaking[run_id]), *changed)
         items = [
             Signature(
                 row, run_id, current[row.id], sources[row.run_id].owner, changed, known,

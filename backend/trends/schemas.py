@@ -31,7 +31,10 @@ class RelatedRuns(Schema):
     """How many there are."""
     question: dict[str, int]
     """All runs of the service that ask the same question (system, bounds and criterion, at any threshold), this one and
-    removed ones included, by verdict; `none` has none."""
+    removed ones included, by verdict; `unconfirmed` has none, but found a value at or below the threshold of this run;
+    `none` has none."""
+    against: str
+    """As of the run: which others speak against its verdict, a sentence; empty if none does."""
 
 
 class TrendRun(Outcome):

@@ -16,6 +16,7 @@ from backend.runs.facets import labels_of
 from backend.runs.outcomes import Outcome, outcomes
 from backend.runs.question import asked_again
 from backend.runs.service import require
+from backend.runs.violations import sentence_of
 from backend.trends.schemas import Difference, RelatedRun, RelatedRuns, Trend, TrendRun
 from campaigns import Problem
 from campaigns.asked.requirements import definition
@@ -139,6 +140,7 @@ def related(reader: sa.Connection, run_id: int) -> RelatedRuns:
         runs=[_related(reader, own, known.get(run_id), other, known.get(run_number(other.id) or 0)) for other in found],
         total=len(ids),
         question=asked_again(reader, run_id),
+        against=sentence_of(reader, run_id),
     )
 
 

@@ -75,8 +75,8 @@ class Source:
 @dataclass(frozen=True)
 class EndedRun:
     """One run. run: R-0001, or the campaign's file; link: its page, if it has one; replay: the command that evaluates a
-    case of it again, without the case; notes: sentences on the rules that cleared it, its baseline,
-    its reuse and its removal."""
+    case of it again, without the case; notes: sentences on the runs that speak against it, the rules
+    that cleared it, its baseline, its reuse and its removal."""
 
     run: str
     campaign: str

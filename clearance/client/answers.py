@@ -309,6 +309,10 @@ class RunDetail(Run):
     """Empty until a worker has started the run."""
     summary: VerdictParts | None
     """The verdict with its evidence; None until there is one."""
+    against: str | None = None
+    """Of a run that is cleared or inconclusive: the listed runs that violate its criterion, or found a value at or
+    below its threshold, with or without a verdict, on the same question and model, a sentence; empty without any.
+    """
     rules: str | None = None
     """That earlier rules cleared it, sentences; empty for any other run."""
     untraced: str | None = None

@@ -94,7 +94,7 @@ export const run = like<RunDetail>({
     },
     agreement: 0.05, target_probability: null, confidence: 0.95, seed: 1, published: [],
   },
-  criteria: [], components_digest: null, flown: null, identity: null, code: null, unidentified: [], plan: [], stages: [], summary: null, rules: '', untraced: '', rate: null, remaining: null, untimed: [], unconfirmed: [], waits: null, other_code: null, doing: null,
+  criteria: [], components_digest: null, flown: null, identity: null, code: null, unidentified: [], plan: [], stages: [], summary: null, rules: '', untraced: '', rate: null, remaining: null, untimed: [], unconfirmed: [], against: '', waits: null, other_code: null, doing: null,
 })
 
 export const coverage = like<Coverage>({

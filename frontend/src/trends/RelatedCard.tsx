@@ -36,6 +36,7 @@ export function RelatedCard({ run }: { run: RunDetail }) {
           <>
             {data.total > rows.length && `The newest ${rows.length} of ${count(data.total)} runs. `}
             {askedAgain(data.question)}
+            {data.against && ` ${data.against}`}
           </>
         )
       }
@@ -48,9 +49,14 @@ export function RelatedCard({ run }: { run: RunDetail }) {
   )
 }
 
+const WITHOUT_VERDICT: Record<string, string> = {
+  none: 'without a verdict',
+  unconfirmed: 'without a verdict that found a value at or below the threshold',
+}
+
 /** How often the question was asked: whoever repeats a run until it is cleared is seen. */
 function askedAgain(question: RelatedRuns['question']): string {
-  const words = Object.entries(question).map(([word, n]) => `${count(n)} ${word === 'none' ? 'without a verdict' : word}`)
+  const words = Object.entries(question).map(([word, n]) => `${count(n)} ${WITHOUT_VERDICT[word] ?? word}`)
   const runs = Object.values(question).reduce((sum, n) => sum + n, 0)
   if (runs === 0) return 'How often its question was asked is not known, because its campaign is of an earlier version.'
   if (runs < 2) return 'No other run asks the same question: the same system, bounds and criterion, at any threshold.'

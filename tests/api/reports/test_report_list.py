@@ -39,7 +39,9 @@ def stood(report: dict[str, Any]) -> list[tuple[str, str]]:
 
 
 def test_reports_of_ended_runs(service: Service, client: httpx.Client, monkeypatch: pytest.MonkeyPatch) -> None:
-    runs = [submit(client, name=name) for name in ("Alpha", "Beta", "Gamma", "Delta")]
+    names = ("Alpha", "Beta", "Gamma", "Delta")  # with bounds of their own: another's violation would speak against one
+    bounds = [{"vehicle.m": {"plus_minus": f"{20 + at}%"}} for at in range(len(names))]
+    runs = [submit(client, name=name, uncertain=own) for name, own in zip(names, bounds, strict=True)]
     finish_fully(service, "cleared")
     finish(service)
     client.post(f"/api/v1/runs/{runs[2]}/cancel")

@@ -239,8 +239,10 @@ def test_a_value_that_only_validation_saw_counts_and_outlives_a_purge(service: S
             made_again(writer, 2, result, findings)
             writer.execute(sa.update(Run).where(Run.id == 2).values(state="cancelled", finished=1.0))
         assert row(client, "REQ-1")["status"] == "inconclusive"
+        unconfirmed = client.get("/api/v1/runs/R-0002").json()["unconfirmed"]
+        assert [span["value"] for span in unconfirmed if span["kind"] == "quantity"] == [0.4, 0.5]
         with service.engine.begin() as writer:
-            writer.execute(sa.update(Run).where(Run.id == 2).values(made_again=None))
+            writer.execute(sa.update(Run).where(Run.id == 2).values(made_again=None, worst_cost=None))
     with service.engine.begin() as writer:  # by a worker of an earlier version, which keeps no such value
         ended = {"kind": "validate", "state": "done", "planned": 1, "result": plain(seen[0][0])}
         writer.execute(sa.insert(Stage).values(run_id=2, position=9, **ended))

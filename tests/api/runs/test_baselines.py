@@ -232,6 +232,31 @@ def test_nothing_is_reused_if_a_run_without_a_verdict_found_a_violation(service:
     assert launched(client, reuse=True)["reused"] is None
 
 
+SPEAKING: dict[str, dict[str, Any]] = {
+    "violated": {"verdict": "violated"},
+    "cancelled": {"state": "cancelled", "verdict": None, "worst_cost": 0.5},
+    "of another model": {"verdict": "violated", "flown": {"code": "b", "model": "b"}},
+    "above the threshold": {"state": "cancelled", "verdict": None, "worst_cost": 0.51},
+    "removed": {"verdict": "violated", "removed": 1.0},
+}
+
+
+@pytest.mark.parametrize("older", [True, False])
+@pytest.mark.parametrize("spoken", SPEAKING)
+def test_nothing_is_reused_against_another_run_of_the_same_question(
+    service: Service, client: httpx.Client, spoken: str, older: bool
+) -> None:
+    """Its seed and its name are others, and so is the digest of its campaign."""
+    service.compare()
+    other: dict[str, Any] = {"campaign": campaign(seed=9, name="renamed")}
+    runs = [finished(service, client, **fields) for fields in ([other, {}] if older else [{}, other])]
+    speaking = int(runs[0 if older else 1][2:])
+    with service.engine.begin() as writer:
+        writer.execute(sa.update(Run).where(Run.id == speaking).values(**SPEAKING[spoken]))
+    reused = launched(client, reuse=True)["reused"]
+    assert (reused is None) == (spoken in ("violated", "cancelled"))
+
+
 @pytest.mark.by_day(1)
 @pytest.mark.parametrize("workers", [(), (0.0,), (4e9, 0.0)], ids=["none", "one that has not", "one of two"])
 def test_nothing_is_reused_until_every_worker_has_compared_its_files(

@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import Any
 
 import httpx
 import pytest
 import sqlalchemy as sa
-import yaml
 
 from backend.catalog.installation import NO_CODE, no_worker
 from backend.db import purge
@@ -31,36 +29,14 @@ from backend.signoffs.repeats import OTHER_CODE, OTHER_RESULTS, other_sample
 from backend.signoffs.standing import not_carried
 from backend.signoffs.texts import CHANGED_TEXT, LATER_TEXT, OTHER_TEXT
 from campaigns.identity.identity import Change
-from clearance.cli import invoke
 from tests.given.at_night import nightly_but
 from tests.given.code_versions import CODE, OTHER, VERSIONS, edited
 from tests.given.databases import AT_NIGHT
 from tests.given.reported_runs import finding, finish_fully
 from tests.given.row_changes import changed
 from tests.given.service import Service
+from tests.given.signed_places import API, PLACES, REQUIREMENT, by_command, on_the_run, ran, sign, word
 from tests.given.submissions import submit
-
-API = "/api/v1"
-REQUIREMENT = "SYS-1"
-
-
-def ran(service: Service, client: httpx.Client, **changes: Any) -> str:
-    """A run that states the requirement by its id alone."""
-    run = submit(client, criterion={"threshold": 0.5, "requirements": [REQUIREMENT]}, **changes)
-    finish_fully(service)
-    return run
-
-
-def sign(client: httpx.Client, run: str, name: str = "Grace Hopper") -> dict[str, Any]:
-    address = f"{API}/runs/{run}/signoffs"
-    body = {"name": name, "role": "Review", "digest": client.get(address).json()["digest"]}
-    answer = client.post(address, json=body)
-    assert answer.status_code == 201, answer.text
-    return dict(answer.json())
-
-
-def word(client: httpx.Client, text: str) -> None:
-    assert client.put(f"{API}/requirements", json={"id": REQUIREMENT, "text": text}).status_code == 200
 
 
 @pytest.fixture
@@ -71,49 +47,6 @@ def signed(service: Service, client: httpx.Client) -> str:
     sign(client, run)
     return run
 
-
-def _on_the_run(client: httpx.Client, run: str) -> str:
-    return "\n".join(one["sentence"] for one in client.get(f"{API}/runs/{run}/signoffs").json()["items"])
-
-
-def _in_the_run_file(client: httpx.Client, run: str) -> str:
-    found = client.get(f"{API}/runs/{run}/exports/run.json").json()["signoffs"]
-    return "\n".join(one["sentence"] for one in found)
-
-
-def _in_the_report(client: httpx.Client, run: str) -> str:
-    return client.get(f"{API}/runs/{run}/report.html").text.partition("12. Approval")[2]
-
-
-def _among_the_reports(client: httpx.Client, run: str) -> str:
-    (found,) = [one for one in client.get(f"{API}/reports").json()["items"] if one["run"] == run]
-    return "\n".join(one["sentence"] for one in found["signoffs"])
-
-
-def _in_the_matrix(client: httpx.Client, run: str) -> str:
-    (row,) = client.get(f"{API}/requirements").json()["items"]
-    return "\n".join(one["sentence"] for edge in row["runs"] if edge["id"] == run for one in edge["signoffs"])
-
-
-def _in_the_table(client: httpx.Client, run: str) -> str:
-    lines = client.get(f"{API}/requirements/export/matrix.csv").text.splitlines()
-    return "\n".join(line for line in lines if f",{run}," in line)
-
-
-def _in_the_argument(client: httpx.Client, run: str) -> str:
-    nodes = yaml.safe_load(client.get(f"{API}/requirements/export/argument.gsn.yaml").text)
-    return "\n".join(node["text"] for name, node in nodes.items() if name.endswith(run) and "claim" in node)
-
-
-PLACES: dict[str, Callable[[httpx.Client, str], str]] = {
-    "run": _on_the_run,
-    "run.json": _in_the_run_file,
-    "report": _in_the_report,
-    "reports": _among_the_reports,
-    "matrix": _in_the_matrix,
-    "matrix.csv": _in_the_table,
-    "argument": _in_the_argument,
-}
 
 LONG_AGO = 1.7e9
 FLOWN = VERSIONS.model_dump(mode="json") | {"code": CODE.digest}
@@ -150,21 +83,13 @@ def test_suspect_is_stated_in_every_place(
             found = shown(client, signed)
             assert "suspect" in found.lower(), place
             assert reason in found, place
-        assert reason in _by_command(service, signed, capsys)
+        assert reason in by_command(service, signed, capsys)
         assert client.get(f"{API}/runs/{signed}/exports/run.json").headers["etag"] != before
         assert client.get(f"{API}/requirements").json()["items"][0]["status"] == "suspect"
     for place, shown in PLACES.items():
         found = shown(client, signed)
         assert "of these results" in found, place
         assert "suspect" not in found.lower().replace(",no,", ""), place
-
-
-def _by_command(service: Service, run: str, capsys: pytest.CaptureFixture[str]) -> str:
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setenv("CLEARANCE_SERVICE", service.url)
-        patch.setenv("CLEARANCE_TOKEN", service.token(f"t{run[-1]}"))
-        assert invoke(["show", run]) == 0
-    return capsys.readouterr().out
 
 
 def test_a_newer_campaign_is_stated_in_every_place(service: Service, client: httpx.Client, signed: str) -> None:
@@ -176,7 +101,7 @@ def test_a_newer_campaign_is_stated_in_every_place(service: Service, client: htt
 def test_a_text_that_is_changed_back_is_the_signed_one(service: Service, client: httpx.Client, signed: str) -> None:
     """And one that is no longer registered is not: the campaign states none."""
     word(client, "Keep 0.6 m.")
-    assert CHANGED_TEXT in _on_the_run(client, signed)
+    assert CHANGED_TEXT in on_the_run(client, signed)
     sign(client, signed, "Ada Lovelace")
     assert [one["standing"] for one in client.get(f"{API}/runs/{signed}/signoffs").json()["items"]] == [
         "suspect", "standing",
@@ -199,9 +124,9 @@ def test_a_text_that_was_not_signed_is_suspect_though_the_campaign_states_it(
     run = submit(client, criterion={"threshold": 0.5, "requirements": [{"id": REQUIREMENT, "text": "Keep 0.5 m."}]})
     finish_fully(service)
     sign(client, run)
-    assert f"{REQUIREMENT}: {OTHER_TEXT}" in _on_the_run(client, run)
+    assert f"{REQUIREMENT}: {OTHER_TEXT}" in on_the_run(client, run)
     word(client, "Keep 0.5 m.")
-    assert f"{REQUIREMENT}: {CHANGED_TEXT}" in _on_the_run(client, run)
+    assert f"{REQUIREMENT}: {CHANGED_TEXT}" in on_the_run(client, run)
     assert client.get(f"{API}/requirements").json()["items"][0]["status"] == "suspect"
 
 
@@ -211,10 +136,10 @@ def test_a_sign_off_without_stored_texts_is_judged_by_its_time(
     """As earlier versions stored it: a text that was changed back was changed all the same."""
     with service.engine.begin() as writer:
         writer.execute(sa.update(Signoff).values(texts=sa.null()))
-    assert _on_the_run(client, signed).startswith("of these results")
+    assert on_the_run(client, signed).startswith("of these results")
     word(client, "Keep 0.6 m.")
     word(client, "Keep 0.5 m.")
-    assert f"{REQUIREMENT}: {LATER_TEXT}" in _on_the_run(client, signed)
+    assert f"{REQUIREMENT}: {LATER_TEXT}" in on_the_run(client, signed)
 
 
 @pytest.mark.nightly
@@ -308,7 +233,7 @@ def test_what_is_no_repetition_carries_nothing(service: Service, client: httpx.C
     for what, change in list((OF_SECOND | bits).items())[::every]:
         with changed(service.engine, change):
             assert not carried(client), what
-            assert "repeated by" not in _on_the_run(client, signed), what
+            assert "repeated by" not in on_the_run(client, signed), what
         assert carried(client), what
 
 
@@ -337,7 +262,7 @@ def test_a_variant_of_a_sweep_is_no_repetition(service: Service, client: httpx.C
         sweep = writer.execute(sa.insert(Sweep).values(owner="local", **names).returning(Sweep.id)).scalar_one()
         writer.execute(sa.insert(SweepRun).values(sweep_id=sweep, run_id=2, position=0, value=1.0))
     assert not carried(client)
-    assert "repeated by" not in _on_the_run(client, signed)
+    assert "repeated by" not in on_the_run(client, signed)
 
 
 NOT_CARRIED: dict[str, tuple[sa.Update, str]] = {
@@ -362,8 +287,8 @@ def test_why_a_sign_off_is_not_carried_on_is_stated(
     assert client.get(f"{API}/runs/{again}/signoffs").json()["not_carried"] == clause
     assert client.get(f"{API}/runs/{signed}/signoffs").json()["not_carried"] is None
     assert clause in client.get(f"{API}/requirements").json()["items"][0]["sentence"]
-    assert clause in _in_the_report(client, again)
-    assert clause in _by_command(service, again, capsys)
+    assert clause in PLACES["report"](client, again)
+    assert clause in by_command(service, again, capsys)
     sign(client, again, "Ada Lovelace")
     assert client.get(f"{API}/runs/{again}/signoffs").json()["not_carried"] is None
 
@@ -396,9 +321,9 @@ def test_a_run_that_was_purged_carries_nothing_and_the_one_before_does(
 ) -> None:
     for _ in range(2):
         ran(service, client)
-    assert "repeated by R-0003" in _on_the_run(client, signed)
+    assert "repeated by R-0003" in on_the_run(client, signed)
     assert client.delete(f"{API}/runs/R-0003", params={"reason": "x"}).status_code == 200
-    assert "repeated by R-0002" in _on_the_run(client, signed)
+    assert "repeated by R-0002" in on_the_run(client, signed)
     refused = client.delete(f"{API}/runs/{signed}", params={"reason": "x"})
     assert (refused.status_code, "Grace Hopper" in refused.text) == (409, True)
 

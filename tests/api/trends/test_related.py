@@ -95,7 +95,7 @@ def test_removed_runs_are_not_listed_and_the_rest_is_counted(
 
 def test_what_is_not_there(client: httpx.Client) -> None:
     problem(client.get("/api/v1/runs/R-0099/related"), 404)
-    assert listed(client, submit(client)) == {"runs": [], "total": 0, "question": {"none": 1}}
+    assert listed(client, submit(client)) == {"runs": [], "total": 0, "question": {"none": 1}, "against": ""}
 
 
 def test_campaigns_apart_from_their_seed() -> None:

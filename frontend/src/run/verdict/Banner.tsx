@@ -38,6 +38,11 @@ export function Banner({ data }: { data: RunData }) {
         ) : (
           <WithoutVerdict run={run} outcome={outcome} />
         )}
+        {run.against && (
+          <p data-testid="against">
+            <b>{run.against}</b>
+          </p>
+        )}
         {run.rules && <p data-testid="rules">{run.rules}</p>}
         {run.verdict && summary?.sureness && (
           <p className="sec" data-testid="sureness">

@@ -146,8 +146,12 @@ def test_a_value_that_violates_counts_whoever_found_it(
     assert found.evidence == {2}
     assert found.violations == (set() if expected == "met" else {1})
     assert ("R-0001" in found.sentence) == (expected != "met" or (word == "v" and evidence))
-    apart = standing([newest], [edge(1, word, **({"threshold": 0.5} | changes | {"campaign": "B"}))])
-    assert apart.status == "met", "the runs of other campaigns are not compared"
+    renamed = {"threshold": 0.5} | changes | {"campaign": "B"}
+    assert standing([newest], [edge(1, word, **renamed)]).status == expected, "a name is no part of the question"
+    unknown = standing(
+        [edge(2, threshold=0.5, worst=0.7, question="")], [edge(1, word, **(renamed | {"question": ""}))]
+    )
+    assert unknown.status == "met", "questions that are not stored are compared within a campaign"
 
 
 def test_a_sign_off_by_who_launched_the_run_is_named() -> None:

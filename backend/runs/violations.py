@@ -1,0 +1,139 @@
+"""Which runs speak against another one: they violate, or found a value that would, with its question and its model.
+
+A run does so with or without a verdict, as a cancelled one, a variant of a sweep, or one of a campaign with another
+name, seed or budget: the case is there. One rule for requirements, sign-offs, reuse, reports and pages. Read `against`.
+"""
+
+from __future__ import annotations
+
+import math
+from collections import defaultdict
+from collections.abc import Collection, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import sqlalchemy as sa
+
+from backend.db.engine import chunks
+from backend.db.rows import at_or_below, made_again_before, own_question, unread
+from backend.db.tables import CampaignRow, Run, Stage
+from backend.runs import identity
+from campaigns.identity.identity import UNSTORED, Identity, may_equal
+from campaigns.results.verdict import VerdictWord
+from campaigns.runs import RunState, run_name
+
+MOST_NAMED = 20
+"""Runs or ids that a sentence names."""
+LISTED = (Run.removed.is_(None), Run.purged.is_(None))
+"""Removed runs speak against none: whoever removed one gave a reason."""
+
+
+@dataclass(frozen=True)
+class Found:
+    """What one run asked and found. question: see `campaigns.checked.question`, empty if it is not stored; threshold
+    and worst: of its criterion, and the lowest value of any evaluation [unit of the criterion]."""
+
+    run_id: int
+    campaign: str
+    question: str
+    verdict: VerdictWord | None
+    identity: Identity
+    threshold: float | None = None
+    worst: float | None = None
+
+
+def judged(state: str, word: str | None) -> VerdictWord | None:
+    return None if word is None or state != RunState.DONE else VerdictWord(word)
+
+
+def same_case(one: Found, other: Found) -> bool:
+    """Whether both asked the same question of what may be the same model."""
+    return one.question == other.question and may_equal(one.identity, other.identity)
+
+
+def _lowest(one: Found) -> float:
+    return math.inf if one.worst is None else one.worst
+
+
+def at_threshold(one: Found, other: Found) -> bool:
+    """Whether a run violates the threshold of another, or found a value that would."""
+    if one.verdict == VerdictWord.VIOLATED and not above(one.threshold, other.threshold):
+        return True
+    return other.threshold is not None and _lowest(one) <= other.threshold
+
+
+def above(one: float | None, other: float | None) -> bool:
+    return one is not None and other is not None and one > other
+
+
+def found(reader: sa.Connection, *conditions: sa.ColumnElement[bool]) -> list[Found]:
+    """What the runs found that fulfil the conditions; the lowest value is infinite without one."""
+    lowest = sa.select(sa.func.min(Stage.best)).where(Stage.run_id == Run.id, own_question())
+    worst = lowest.scalar_subquery().label("worst")
+    columns = (Run.id, Run.state, Run.verdict, Run.threshold, Run.worst_cost, Run.made_again, Run.question)
+    of = sa.select(*columns, CampaignRow.name, worst).join(CampaignRow, CampaignRow.digest == Run.campaign_digest)
+    rows: Sequence[Any] = reader.execute(of.where(*conditions).order_by(Run.id)).all()
+    before = made_again_before(reader, [row.id for row in rows if row.made_again is None])
+    known = identity.of_runs(reader, [row.id for row in rows])
+    stated = []
+    for row in rows:
+        values = [v for v in (row.worst_cost, before.get(row.id, row.made_again), row.worst) if v is not None]
+        stated.append(
+            Found(
+                row.id,
+                row.name,
+                row.question or "",
+                judged(row.state, row.verdict),
+                known.get(row.id, UNSTORED),
+                row.threshold,
+                min(values, default=math.inf),
+            )
+        )
+    return stated
+
+
+def violating(reader: sa.Connection, limit: float, *conditions: sa.ColumnElement[bool]) -> list[Found]:
+    """The listed runs among these that violate, or found a value at or below the limit."""
+    seen = sa.or_(Run.verdict == VerdictWord.VIOLATED, at_or_below(limit), unread())
+    some = found(reader, *conditions, *LISTED, seen)
+    return [one for one in some if one.verdict == VerdictWord.VIOLATED or _lowest(one) <= limit]
+
+
+def against(reader: sa.Connection, run_ids: Collection[int]) -> dict[int, list[Found]]:
+    """The listed other runs that speak against the verdict of each, by run; none against one that violates."""
+    own: list[Found] = []
+    for some in chunks(run_ids):
+        own += found(reader, Run.id.in_(some), Run.verdict.is_not(None), Run.question.is_not(None))
+    own = [one for one in own if one.verdict not in (None, VerdictWord.VIOLATED)]
+    limit = max((one.threshold for one in own if one.threshold is not None), default=-math.inf)
+    others: dict[str, list[Found]] = defaultdict(list)
+    for some_questions in chunks({one.question for one in own}):
+        for other in violating(reader, limit, Run.question.in_(some_questions)):
+            others[other.question].append(other)
+    stated = {one.run_id: [o for o in others[one.question] if _speaks(o, one)] for one in own}
+    return {run_id: speaking for run_id, speaking in stated.items() if speaking}
+
+
+def _speaks(other: Found, one: Found) -> bool:
+    return other.run_id != one.run_id and at_threshold(other, one) and same_case(other, one)
+
+
+def clause(speaking: Sequence[Found]) -> str:
+    """That these speak against a run, for a sentence on it."""
+    violated = [one.run_id for one in speaking if one.verdict == VerdictWord.VIOLATED]
+    lower = [one.run_id for one in speaking if one.verdict != VerdictWord.VIOLATED]
+    verb = "violates" if len(violated) == 1 else "violate"
+    parts = [f"{named(violated)} {verb} the criterion"] if violated else []
+    parts += [f"{named(lower)} found a value at or below the threshold"] if lower else []
+    return f"{' and '.join(parts)}, on the same question and model"
+
+
+def sentence_of(reader: sa.Connection, run_id: int) -> str:
+    """What speaks against the verdict of one run; empty if nothing does."""
+    speaking = against(reader, [run_id]).get(run_id)
+    return "" if speaking is None else f"{clause(speaking)}."
+
+
+def named(runs: Sequence[int]) -> str:
+    rest = len(runs) - MOST_NAMED
+    return ", ".join(map(run_name, runs[:MOST_NAMED])) + (f" and {rest} more" if rest > 0 else "")

@@ -1,0 +1,102 @@
+"""A violation that another run found is stated wherever a run of the same question and model is."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from typing import Any
+
+import httpx
+import pytest
+import sqlalchemy as sa
+import yaml
+
+from backend.db.tables import Run
+from tests.given.reported_runs import finish_fully
+from tests.given.row_changes import changed
+from tests.given.service import Service
+from tests.given.signed_places import API, PLACES, by_command, ran, sign
+from tests.given.submissions import submit
+
+CANCELLED: dict[str, Any] = {"state": "cancelled", "verdict": None, "worst_cost": 0.5}
+MODEL = "on the same question and model"
+VIOLATES, FOUND = f"R-0001 violates the criterion, {MODEL}", f"R-0001 found a value at or below the threshold, {MODEL}"
+UNCONFIRMED = "1 without a verdict that found a value at or below the threshold"
+CASES: dict[str, tuple[Mapping[str, Any], str, str]] = {
+    "violated": ({"verdict": "violated"}, VIOLATES, "1 cleared, 1 violated"),
+    "of a lower threshold": ({"verdict": "violated", "threshold": 0.4}, VIOLATES, "1 cleared, 1 violated"),
+    "cancelled": (CANCELLED, FOUND, f"1 cleared, {UNCONFIRMED}"),
+    "failed": (CANCELLED | {"state": "failed", "worst_cost": None, "made_again": 0.4}, FOUND, UNCONFIRMED),
+    "running": (CANCELLED | {"state": "running"}, FOUND, UNCONFIRMED),
+    "inconclusive": ({"verdict": "inconclusive", "worst_cost": 0.4}, FOUND, "1 cleared, 1 inconclusive"),
+    "cleared": ({"threshold": 0.3, "worst_cost": 0.4}, FOUND, "2 cleared"),
+    "above": (CANCELLED | {"worst_cost": 0.51}, "", "1 cleared, 1 without a verdict."),
+    "of another model": ({"verdict": "violated", "flown": {"code": "b", "model": "b"}}, "", "1 cleared, 1 violated"),
+    "of another question": ({"verdict": "violated", "question": "other"}, "", "No other run"),
+    "of a higher threshold": (
+        {"verdict": "violated", "threshold": 0.9, "worst_cost": 0.8},
+        "",
+        "1 cleared, 1 violated",
+    ),
+    "removed": ({"verdict": "violated", "removed": 1.0}, "", "removed ones included: 1 cleared, 1 violated"),
+}
+"""Changes of the other run, which has no requirement and another name; what is stated; how often it was asked."""
+
+
+def of_the_run(client: httpx.Client, run: str) -> dict[str, str]:
+    detail, related = (client.get(f"{API}/runs/{run}{rest}").json() for rest in ("", "/related"))
+    report = re.sub("<[^>]*>", "", client.get(f"{API}/runs/{run}/report.html").text)
+    verdict = " ".join(report.partition("1. Scope of the claim")[0].split())
+    return {"run": str(detail["against"]), "related": str(related["against"]), "verdict of the report": verdict}
+
+
+@pytest.mark.parametrize("case", CASES)
+def test_what_another_run_found_is_stated_in_every_place(
+    service: Service, client: httpx.Client, capsys: pytest.CaptureFixture[str], case: str
+) -> None:
+    changes, stated, asked = CASES[case]
+    submit(client, name="renamed", seed=9)
+    finish_fully(service)
+    run = ran(service, client)
+    sign(client, run)
+    names = [client.get(f"{API}/runs/{one}").json()["campaign_name"] for one in ("R-0001", run)]
+    assert len(set(names)) == 2
+    with changed(service.engine, sa.update(Run).where(Run.id == 1).values(**changes)):
+        places = of_the_run(client, run) | {place: shown(client, run) for place, shown in PLACES.items()}
+        places["show"] = by_command(service, run, capsys)
+        for place, text in places.items():
+            assert (stated in text) if stated else (MODEL not in text), place
+        report = " ".join(client.get(f"{API}/runs/{run}/report.html").text.split())
+        assert asked in report
+        (row,) = client.get(f"{API}/requirements").json()["items"]
+        expected = "violated" if stated == VIOLATES else "inconclusive" if stated else None
+        assert expected is None or (row["status"], "R-0001" in row["sentence"]) == (expected, True)
+        assert expected is not None or row["status"] not in ("violated", "inconclusive")
+        argument = yaml.safe_load(client.get(f"{API}/requirements/export/argument.gsn.yaml").text)
+        assert any(name.endswith("R-0001") for name in argument) == bool(stated)
+        assert not stated or not any(name.startswith("Sn-") for name in argument)
+
+
+def test_a_run_that_violates_itself_needs_no_other(service: Service, client: httpx.Client) -> None:
+    submit(client, seed=9)
+    finish_fully(service, "violated")
+    run = submit(client)
+    finish_fully(service, "violated")
+    assert set(of_the_run(client, run).values()) & {VIOLATES + "."} == set()
+
+
+def test_a_list_of_runs_reads_no_row_of_each_for_it(service: Service, client: httpx.Client) -> None:
+    """Sign-offs of many runs are compared with the other runs of their questions at once."""
+    statements: list[str] = []
+
+    def counted() -> int:
+        statements.clear()
+        assert client.get(f"{API}/reports").status_code == 200
+        return sum("made_again" in one for one in statements)
+
+    sa.event.listen(service.engine, "before_cursor_execute", lambda _c, _k, text, *_: statements.append(text))
+    few = 0
+    for seed in range(1, 5):
+        sign(client, ran(service, client, seed=seed))
+        few = few or counted()
+    assert counted() == few > 0

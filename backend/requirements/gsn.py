@@ -88,14 +88,16 @@ def _goal(nodes: Nodes, name: str, row: RequirementRow, claims: Mapping[str, str
         goal |= {"undeveloped": True}
         return f"G-{name}"
     against = [run for run in counting if run.part == "violation"]
+    first = {run.campaign_name: run for run in reversed(against)}
+    evidence = [run for run in counting if run not in against]
+    alone = [first[of] for of in first.keys() - {run.campaign_name for run in evidence}]
     subgoals = [
         _subgoal(nodes, name, run, [one for one in against if one.campaign_name == run.campaign_name], claims, address)
-        for run in counting
-        if run not in against
+        for run in (*evidence, *sorted(alone, key=lambda run: run.id))
     ]
     goal |= {"supportedBy": [f"S-{name}"]}
     nodes[f"S-{name}"] = {
-        "text": f"Argument over each campaign that states {row.id}; the requirement is {row.status}",
+        "text": f"Argument over each campaign of {row.id}; the requirement is {row.status}",
         "supportedBy": subgoals,
     }
     return f"G-{name}"
@@ -111,7 +113,8 @@ def _subgoal(
 ) -> str:
     """Add the goal that one campaign meets its criterion, supported only by evidence that is valid.
 
-    against: runs that found a value that would violate it, without a verdict that confirms it.
+    against: runs that found a value that would violate it, without a verdict that confirms it; the run itself may be
+    one, if the campaign has no other.
     """
     key = f"{name}-{run.id}"
     above = (
@@ -123,7 +126,9 @@ def _subgoal(
         nodes[f"Sn-{key}"] = _leaf(run, claims, address)
         goal |= {"supportedBy": [f"Sn-{key}"]}
     else:
-        contexts = [_context(nodes, name, one, claims, address) for one in (run, *against)]
+        contexts = [
+            _context(nodes, name, one, claims, address) for one in (run, *(one for one in against if one != run))
+        ]
         goal |= {"undeveloped": True, "inContextOf": contexts}
     return f"G-{key}"
 

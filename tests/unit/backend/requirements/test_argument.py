@@ -108,6 +108,19 @@ def test_a_violation_defeats_its_requirement_which_nothing_supports() -> None:
     assert nodes[goal["inContextOf"][0]]["text"].startswith("R-0006 is cleared")
 
 
+def test_a_campaign_of_which_only_a_run_against_it_is_known_is_a_goal_of_its_own() -> None:
+    """Cancelled after it found a value: no other run of its campaign counts."""
+    lost = run(2, None, part="violation", role="found a value at or below the newest threshold", **UNSIGNED)
+    cleared = run(3, part="violation", campaign_name="Campaign 2", threshold=0.4)
+    for other in (lost, cleared):
+        nodes = made(row("HALF", "inconclusive", other, run(1)), row("LOST", "inconclusive", other))
+        for name in ("HALF", "LOST"):
+            open_goals = {goal for goal in beneath(nodes, f"G-{name}") if nodes[goal].get("undeveloped")}
+            assert open_goals == {f"G-{name}-{other.id}"}
+            assert nodes[f"G-{name}-{other.id}"]["inContextOf"] == [f"C-{name}-{other.id}"]
+        assert "Sn-HALF-R-0001" in nodes
+
+
 def test_every_leaf_has_claim_digest_and_link_and_shows_what_is_suspect() -> None:
     nodes = made(*ROWS)
     leaves = {

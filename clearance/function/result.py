@@ -209,14 +209,23 @@ class Result(Evaluations):
 
 
 class Interrupted(KeyboardInterrupt):
-    """Ctrl-C during a search; `evaluations` has what was evaluated until then. There is no verdict."""
+    """Ctrl-C during a search; `evaluations` has what was evaluated until then. There is no verdict.
+
+    The message states the lowest value if it is at or below the threshold.
+    """
 
     def __init__(self, evaluations: Evaluations) -> None:
+        from campaigns.claims.lowest_value import unconfirmed
+        from campaigns.claims.spans import words
+        from campaigns.runs import RunState
+        from clearance.local.interrupt import lowest
+
         self.evaluations = evaluations
-        many = len(evaluations.costs)
+        many, found = len(evaluations.costs), lowest(evaluations.origin.store)
+        stated = words(unconfirmed(RunState.CANCELLED, found, evaluations.threshold, evaluations.unit))
         super().__init__(
             f"the search was interrupted after {many} evaluations, so there is no verdict; "
-            "they are in the attribute `evaluations` of this exception"
+            f"they are in the attribute `evaluations` of this exception{f'. {stated}' if stated else ''}"
         )
 
 

@@ -107,6 +107,10 @@ def test_a_saved_or_interrupted_search_is_resumed_without_evaluating_it_again(tm
     with pytest.raises(ValueError, match="another simulator"):
         searched(resume=interrupted.value)
     assert 0 < done < 150
+    assert ("The lowest value found is " in str(interrupted.value)) == (interrupted.value.evaluations.costs.min() <= 40)
+    called[0] = 0
+    with pytest.raises(clearance.Interrupted, match="at or below the threshold of 60; no verdict confirms it"):
+        clearance.search(stops, RANGES, 60.0, methods=METHODS)
 
 
 def test_a_folder_whose_campaign_is_another_one_is_not_resumed(tmp_path: Path) -> None:

@@ -1,0 +1,51 @@
+"""A stage that began and did not end is stated as such: a report infers nothing from a missing result."""
+
+from __future__ import annotations
+
+import re
+
+import httpx
+import pytest
+import sqlalchemy as sa
+
+from backend.db.queue import Queue
+from backend.db.store import RunStore
+from backend.db.tables import Run
+from tests.given.reported_runs import PLAN
+from tests.given.service import Service
+from tests.given.submissions import submit
+from tests.given.ways_to_store import WAYS
+
+NO_BOUND = "no bound on the probability of a violation is claimed."
+NO_SAMPLE = f"No independent random sample was simulated: {NO_BOUND}"
+NO_CASE = "No case was validated: the numbers of this report are not confirmed independently."
+DRAWN = "The independent sample is not finished: 2 of 3 000 planned draws were simulated"
+SAMPLED = f"{DRAWN}, the lowest of which has {{}} m; {NO_BOUND}"
+BEGUN = "Validation is not finished: 2 evaluations of it were made. The numbers of this report are not confirmed"
+CASES = [
+    (2, 0.2, "in order", [NO_SAMPLE, NO_CASE, "Nothing was validated."]),
+    (3, 0.2, "in order", [SAMPLED.format("0.2"), NO_CASE]),
+    (3, 0.4999999999, "counted", [SAMPLED.format("0.4999999999"), NO_CASE]),
+    (4, 0.2, "in order", [NO_SAMPLE, BEGUN, "Validation is not finished."]),
+]
+"""The stage that ran, its lowest value, the way it was stored, what the report states."""
+
+
+@pytest.mark.parametrize(("position", "lowest", "way", "stated"), CASES)
+def test_the_state_of_a_stage_decides(
+    service: Service, client: httpx.Client, position: int, lowest: float, way: str, stated: list[str]
+) -> None:
+    run = submit(client)
+    claim = Queue(service.engine).claim("w")
+    assert claim is not None
+    store = RunStore(service.engine, claim)
+    store.plan(PLAN)
+    store.begin(position)
+    WAYS[way](store, position, [0.9, lowest])
+    for state in ("running", "cancelled", "failed"):
+        with service.engine.begin() as writer:
+            writer.execute(sa.update(Run).values(state=state, finished=1.0))
+        report = re.sub("<[^>]*>", "", client.get(f"/api/v1/runs/{run}/report.html").text)
+        found = " ".join(report.replace("\u202f", " ").split())
+        assert [one for one in stated if one not in found] == []
+        assert (NO_SAMPLE in found, NO_CASE in found) == (NO_SAMPLE in stated, NO_CASE in stated)

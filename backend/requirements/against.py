@@ -37,12 +37,12 @@ def against(reader: sa.Connection, edges: Mapping[str, Sequence[Edge]]) -> list[
     """
     every = [e for found in edges.values() for e in found]
     limit = max((e.threshold for e in every if e.threshold is not None), default=-math.inf)
-    asked: list[Edge] = []
+    others: list[Edge] = []
     for some in chunks({e.question for e in every if e.question}):
-        asked += _edges(violating(reader, limit, Run.question.in_(some)))
+        others += _edges(violating(reader, limit, Run.question.in_(some)))
     for some in chunks({e.campaign for e in every if not e.question}):
-        asked += _edges(violating(reader, limit, Run.question.is_(None), CampaignRow.name.in_(some)))
-    return asked
+        others += _edges(violating(reader, limit, Run.question.is_(None), CampaignRow.name.in_(some)))
+    return others
 
 
 def _edges(some: Iterable[Found]) -> list[Edge]:

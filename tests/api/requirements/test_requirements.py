@@ -427,7 +427,8 @@ def test_a_file_that_is_too_large_is_refused(guest: httpx.Client) -> None:
 def test_exports_have_every_requirement_and_run(service: Service, client: httpx.Client) -> None:
     sent(client, WRITTEN, "sys.reqif", "reqif")
     sign(client, ran(service, client, "SYS-1", "OTHER"))
-    ran(service, client, "OTHER", name="Second", verdict="violated")
+    wider = {"vehicle.m": {"plus_minus": "30%"}}
+    ran(service, client, "OTHER", name="Second", verdict="violated", uncertain=wider)
     answer = client.get(f"{AT}/export/matrix.csv")
     assert answer.headers["content-disposition"] == 'attachment; filename="matrix.csv"'
     lines = list(csv.DictReader(io.StringIO(answer.text)))

@@ -43,3 +43,6 @@ BETWEEN = (0.2, 0.4, 0.6, 0.8)
 LINE = 32
 """Equal parts of the straight line from a violation of a baseline to a finding; no case between them may be clear for
 them to be the same."""
+
+CHANCE = 20
+"""Independent calls of two runs differ beyond chance if the probability of it is at most one in so many."""

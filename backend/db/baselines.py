@@ -14,7 +14,7 @@ from campaigns.asked.load import load_document
 from campaigns.asked.problem import CampaignError
 from campaigns.asked.spec import Campaign
 from campaigns.catalogue import Catalogue
-from campaigns.checked.units import differing
+from campaigns.checked.units import differing, fixed
 from campaigns.labels import pair
 from campaigns.results.baselines import CannotCompare, same_question, with_baseline
 from campaigns.runs import ENDED, run_name, run_number
@@ -97,17 +97,23 @@ def _compared(
     reader: sa.Connection, campaign: Campaign, run_id: int, other: Campaign, statement: str, here: Catalogue
 ) -> Resolved:
     found, units = continuation.findings(reader, run_id), _other_units(reader, campaign, run_id, other, here)
-    return Resolved(with_baseline(campaign, run_name(run_id), other, found, units), run_id, statement)
+    then = _components(reader, run_id)
+    values = None if then is None else fixed(other, then)
+    return Resolved(with_baseline(campaign, run_name(run_id), other, found, units, values), run_id, statement)
 
 
 def _other_units(reader: sa.Connection, campaign: Campaign, run_id: int, other: Campaign, here: Catalogue) -> str:
     """How the units of a run differ, as a clause; runs of earlier versions may have stored none."""
+    then = _components(reader, run_id)
+    return "" if then is None else differing(other, then, campaign, here)
+
+
+def _components(reader: sa.Connection, run_id: int) -> Catalogue | None:
     try:
-        then = snapshots.of_run(reader, run_id)
+        return snapshots.of_run(reader, run_id)
     except ValidationError:
         what = "the description of its components is of another version"
         raise CannotCompare(f"{run_name(run_id)} cannot be the baseline: {what}") from None
-    return "" if then is None else differing(other, then, campaign, here)
 
 
 def _campaign(reader: sa.Connection, run_id: int) -> Campaign:

@@ -53,12 +53,13 @@ def validation(campaign: Campaign, noisy: bool = True) -> Allowance:
     """
     findings, stated = campaign.stages.findings, campaign.stages.validate_.evaluations
     confirming, needed = _confirming(campaign, noisy), least(campaign, noisy)
+    known = _known(campaign) * case(campaign, noisy)
     requested = findings.evaluations if findings.evaluations != FINDINGS else 0
     total = max(searches(campaign), requested) if stated is None else stated
     each = sum(evidence(campaign))
     most = findings.evaluations + 2 * findings.at_most * each
     total = max(needed, min(total, most + confirming + CASE * VIOLATIONS))
-    stored = max(0, min(most, total - max(needed, min(confirming, total // 2))))
+    stored = max(0, min(most, total - max(needed, min(confirming + known, total // 2))))
     descents = stored // (DESCENT * (len(campaign.uncertain) + 1))
     return Allowance(stored, total, min(per_finding(STARTS, findings.at_most), max(1, descents)))
 
@@ -106,6 +107,12 @@ def least(campaign: Campaign, noisy: bool) -> int:
 def _shown(campaign: Campaign) -> int:
     """The trace of a finding, and of a closed loop its flight beyond the horizon."""
     return 1 if campaign.scenario is None else 2
+
+
+def _known(campaign: Campaign) -> int:
+    """The violations of a baseline, which are confirmed if they are none here."""
+    baseline, threshold = campaign.baseline, campaign.criterion.threshold
+    return 0 if baseline is None else sum(baseline.violated(case, threshold) for case in baseline.cases)
 
 
 def _confirming(campaign: Campaign, noisy: bool) -> int:

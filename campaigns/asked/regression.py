@@ -5,21 +5,22 @@ The policy is part of a campaign's file; the baseline is added at launch.
 
 from __future__ import annotations
 
+import math
 from typing import Annotated, Literal
 
 from pydantic import AfterValidator, Field
 
 from campaigns.asked.reading import repeated
-from campaigns.asked.scenario import MAX_REALISATION, Realisations
+from campaigns.asked.scenario import MAX_REALISATION, Realisations, Repeats
 from campaigns.asked.values import AS_NUMBER, AS_WHOLE, DISTINCT, Name, Number, Path, Strict
 from campaigns.documented import UNLESS_STATED
-from campaigns.limits import ROUNDING, ROUNDING_AT_LEAST, TOLERANCE_OF_MARGIN
+from campaigns.limits import CHANCE, ROUNDING, ROUNDING_AT_LEAST, TOLERANCE_OF_MARGIN
 
 FailOn = Literal["violation", "new_violation", "new", "worse", "not_compared"]
-"""violation: the verdict is violated, or a violation of the baseline is not compared; new_violation: a finding violates
-that the baseline lacks or that did not violate in it by both thresholds; new: the baseline lacks a finding; worse: a
-finding of the baseline is worse; not_compared: a finding of the baseline could not be evaluated, has no value, or is
-unresolved."""
+"""violation: the verdict is violated, or a violation of the baseline is not compared or unresolved; new_violation: a
+finding violates that the baseline lacks or that did not violate in it by both thresholds; new: the baseline lacks a
+finding; worse: a finding of the baseline is worse; not_compared: a finding of the baseline could not be evaluated, has
+no value, or is unresolved."""
 
 DEFAULT: list[FailOn] = ["violation", "new_violation"]
 
@@ -43,6 +44,20 @@ def _once(cases: list[BaselineCase]) -> list[BaselineCase]:
     return cases
 
 
+class CallsThere(Strict):
+    """The independent calls of a finding of the baseline."""
+
+    made: Annotated[int, Field(ge=1), AS_WHOLE]
+    low: Annotated[list[Number], Field(max_length=10_000)] = []
+    """The values of those that violated."""
+
+    def differ(self, here: int, threshold: float) -> bool:
+        """Whether so many calls here, of which none is at or below the threshold, differ from these beyond chance: by
+        Fisher's exact test, one-sided."""
+        violating = sum(value <= threshold for value in self.low)
+        return CHANCE * math.comb(self.made, violating) <= math.comb(self.made + here, violating)
+
+
 class BaselineCase(Strict):
     """One finding of the baseline."""
 
@@ -58,6 +73,8 @@ class BaselineCase(Strict):
     """The noise seed drawn for it; null if it simulated those of its campaign."""
     called: Annotated[Number | None, UNLESS_STATED] = None
     """The value of a violation that only independent calls of it showed; null for any other finding."""
+    calls: Annotated[CallsThere | None, UNLESS_STATED] = None
+    """Of a simulator that does not repeat; null of any other, and in one of an earlier version."""
     time: Annotated[Number | None, UNLESS_STATED] = None
     """Of its closest approach [s]; null for a criterion without one."""
 
@@ -86,4 +103,12 @@ class Baseline(Strict):
     """Of its flights [s]; null for a simulator."""
     realisations: Annotated[Realisations | None, UNLESS_STATED] = None
     """Of noise and gusts in each of its evaluations; null for a simulator."""
+    repeats: Annotated[Repeats | None, UNLESS_STATED] = None
+    """The calls of a simulator in each of its evaluations; null for a scenario, and in one of an earlier version."""
+    fixed: Annotated[dict[Path, Number] | None, UNLESS_STATED] = None
+    """By path, the values of the parameters that its campaign did not vary; null in one of an earlier version."""
     cases: Annotated[list[BaselineCase], Field(min_length=1, max_length=100), AfterValidator(_once)]
+
+    def violated(self, case: BaselineCase, threshold: float) -> bool:
+        """Whether a case violated by its own threshold and by this one."""
+        return case.stated <= min(self.threshold, threshold)

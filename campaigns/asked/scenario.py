@@ -7,6 +7,7 @@ from typing import Annotated, Literal
 from pydantic import Field, field_validator, model_validator
 
 from campaigns.asked.values import AS_NUMBER, AS_WHOLE, Identifier, Strict, Values
+from campaigns.documented import UNSTATED
 
 MAX_STEPS = 2_000_000
 MAX_SEED = 2**20
@@ -56,6 +57,34 @@ class Realisations(Strict):
         if len(set(seeds)) < len(seeds):
             raise ValueError("the same seed is given twice; list each seed once")
         return seeds
+
+
+class Repeats(Strict):
+    """How many calls of the simulator make one evaluation, and how they are combined.
+
+    `worst` is the lowest value of the criterion among them, `mean` their average, `quantile` the lowest value that at
+    least this fraction of them does not exceed.
+    """
+
+    count: Annotated[int, Field(ge=1, le=1000), AS_WHOLE] = 5
+    combine: Literal["worst", "mean", "quantile"] = "worst"
+    quantile: Annotated[float | None, Field(gt=0, lt=1), AS_NUMBER, UNSTATED] = None
+
+    @model_validator(mode="after")
+    def _quantile_belongs(self) -> Repeats:
+        if (self.quantile is None) == (self.combine == "quantile"):
+            raise ValueError(
+                "combine: quantile needs quantile, such as 0.1"
+                if self.quantile is None
+                else f"quantile {self.quantile:g} needs combine: quantile, not {self.combine}; remove one of them"
+            )
+        return self
+
+    def shown_by(self, other: Repeats) -> bool:
+        """Whether an evaluation by the others would show what one by these does: at least as many calls, of which the
+        worst counts, or combined alike."""
+        alike = (self.combine, self.quantile) == (other.combine, other.quantile)
+        return other.count >= self.count and (alike or other.combine == "worst" or other.count == 1)
 
 
 class Scenario(Strict):

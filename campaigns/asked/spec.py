@@ -18,7 +18,7 @@ from campaigns import limits
 from campaigns.asked.distributions import Correlation, Uncertain
 from campaigns.asked.regression import Baseline, Policy
 from campaigns.asked.requirements import Requirements
-from campaigns.asked.scenario import MAX_SEED, Part, Realisations, Scenario
+from campaigns.asked.scenario import MAX_SEED, Part, Realisations, Repeats, Scenario
 from campaigns.asked.stages import Search, Stages
 from campaigns.asked.values import (
     AS_NUMBER,
@@ -53,28 +53,6 @@ __all__ = [
     "Simulator",
     "Stages",
 ]
-
-
-class Repeats(Strict):
-    """How many calls of the simulator make one evaluation, and how they are combined.
-
-    `worst` is the lowest value of the criterion among them, `mean` their average, `quantile` the lowest value that at
-    least this fraction of them does not exceed.
-    """
-
-    count: Annotated[int, Field(ge=1, le=1000), AS_WHOLE] = 5
-    combine: Literal["worst", "mean", "quantile"] = "worst"
-    quantile: Annotated[float | None, Field(gt=0, lt=1), AS_NUMBER, UNSTATED] = None
-
-    @model_validator(mode="after")
-    def _quantile_belongs(self) -> Repeats:
-        if (self.quantile is None) == (self.combine == "quantile"):
-            raise ValueError(
-                "combine: quantile needs quantile, such as 0.1"
-                if self.quantile is None
-                else f"quantile {self.quantile:g} needs combine: quantile, not {self.combine}; remove one of them"
-            )
-        return self
 
 
 class Simulator(Strict):

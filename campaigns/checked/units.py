@@ -3,6 +3,9 @@ other only if they are equal."""
 
 from __future__ import annotations
 
+import math
+from collections.abc import Iterable
+
 from campaigns.asked.criteria import deciding
 from campaigns.asked.spec import Campaign
 from campaigns.catalogue import Catalogue
@@ -11,23 +14,31 @@ from campaigns.checked.texts import unit
 
 
 def differing(then: Campaign, before: Catalogue, now: Campaign, here: Catalogue) -> str:
-    """The first unit of the criterion or of a common uncertain parameter that differs, as a clause; empty if none.
+    """The first unit of the criterion or of a common parameter that differs, of those that either campaign varies, as a
+    clause; empty if none.
 
     A criterion of the operator's own must also be computed by the same code: of a changed one, a case may look fixed.
     """
     code = _other_code(then, before, here)
     if code:
         return code
-    was, is_ = _units(then, before), _units(now, here)
+    varied = sorted({*then.uncertain, *now.uncertain})
+    was, is_ = _units(then, before, varied), _units(now, here, varied)
     for name in was:
         if unit(was[name]) != unit(is_.get(name, was[name])):
             return f"{name} is in {was[name] or 'no unit'}, here it is in {is_[name] or 'no unit'}"
     return ""
 
 
-def _units(campaign: Campaign, catalogue: Catalogue) -> dict[str, str]:
+def fixed(then: Campaign, before: Catalogue) -> dict[str, float]:
+    """The values of the parameters that a campaign does not vary, by path."""
+    known = parameters(then, before).items()
+    return {path: value for path, (_, value) in known if path not in then.uncertain and math.isfinite(value)}
+
+
+def _units(campaign: Campaign, catalogue: Catalogue, paths: Iterable[str]) -> dict[str, str]:
     known = parameters(campaign, catalogue)
-    found = {path: known[path][0].unit for path in campaign.uncertain if path in known}
+    found = {path: known[path][0].unit for path in paths if path in known}
     decides = deciding(campaign, catalogue)
     return found if decides is None else {"its criterion": decides.unit, **found}
 

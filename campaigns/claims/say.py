@@ -113,8 +113,8 @@ def finding(label: str) -> Span:
 
 
 def case(name: str) -> Part:
-    """A case that is simulated again: nominal, or a finding by its label."""
-    return name if name == "nominal" else finding(name)
+    """A case that is simulated again: nominal, a finding by its label, or one of the baseline."""
+    return finding(name) if name.startswith("F") and name[1:].isdigit() else name
 
 
 def method(name: str, title: str) -> Span:

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 from campaigns.asked.load import load_document
 from campaigns.asked.problem import CampaignError
-from campaigns.asked.spec import Campaign, Criterion
+from campaigns.asked.spec import Campaign, Criterion, Repeats
 from campaigns.results.finding import Finding, Validation
 
 
@@ -15,11 +15,13 @@ class CannotCompare(ValueError):
 
 
 def with_baseline(
-    campaign: Campaign, run: str, other: Campaign, findings: Sequence[Finding], units: str = ""
-) -> Campaign:
+    campaign: Campaign, run: str, other: Campaign, findings: Sequence[Finding], units: str = "",
+    fixed: Mapping[str, float] | None = None,
+) -> Campaign:  # fmt: skip
     """The campaign with the findings of the run `run` of the campaign `other` as its baseline.
 
-    units: how those of the two differ, as a clause (`campaigns.checked.units`). Raises `CannotCompare`.
+    units: how those of the two differ, as a clause; fixed: the values of what the other one does not vary, None if they
+    are not known (both by `campaigns.checked.units`). Raises `CannotCompare`.
     """
     reason = foreign(campaign, other) or units
     if reason:
@@ -35,6 +37,10 @@ def with_baseline(
     if other.scenario is not None:
         shown = other.scenario
         baseline |= {"horizon": shown.horizon, "realisations": shown.realisations.model_dump(mode="json")}
+    if other.simulator is not None:
+        baseline["repeats"] = (other.simulator.repeats or Repeats(count=1)).model_dump(mode="json")
+    if fixed is not None:
+        baseline["fixed"] = dict(fixed)
     document = {**campaign.document(), "baseline": baseline}
     try:
         return load_document(document, run)
@@ -70,10 +76,14 @@ def _measured(criterion: Criterion) -> str:
 
 
 def _case(finding: Finding, threshold: float) -> dict[str, object]:
+    calls = None if finding.validation is None else finding.validation.repeats
+    low = [] if calls is None else sorted(value for value in calls.values if value is not None and value <= threshold)
+    there = {} if calls is None else {"calls": {"made": len(calls.values), "low": low}}
     called = {"called": finding.granted} if finding.granted <= threshold < finding.cost else {}
     time = {} if finding.closest is None or finding.closest.time is None else {"time": finding.closest.time}
     return (
         called
+        | there
         | time
         | {
             "label": finding.label,

@@ -39,9 +39,9 @@ class Standing(StrEnum):
     """It violated in the baseline, and nothing known in its basin violates now."""
     UNRESOLVED = "unresolved"
     """It violated in the baseline and does not now, but the allowance of validation did not suffice to examine its
-    basin."""
+    basin, or the case was not confirmed by other means."""
     NOT_COMPARED = "not compared"
-    """It could not be evaluated on this model, or has no value there."""
+    """It could not be evaluated on this model as it was there, or has no value."""
 
 
 class FindingChange(Described):

@@ -32,7 +32,7 @@ class Reevaluated(Result):
     reason: str = ""
     """Why it was not evaluated, or has no cost."""
     assumed: list[str] = []
-    """Parameters that the baseline does not vary; they are nominal."""
+    """Parameters that the baseline does not vary; they have its values, nominal ones in results of earlier versions."""
     realisation: int | None = None
     """The noise seed with which it was evaluated; null for the realisations of the campaign."""
 

@@ -34,6 +34,8 @@ class LeftOut(Result):
     calls: int = 0
     """Violations of a simulator that does not repeat that were not called as often as a finding."""
     spot_checks: int = 0
+    cases: int = 0
+    """Of the baseline: violations there that are none here."""
 
 
 class Spent(Result):
@@ -287,6 +289,9 @@ class CaseBasin(Result):
     line: Annotated[Line | None, UNLESS_NONE] = None
     """Omitted if it decides nothing: the case did not violate or the finding does not, or both are at one place; and in
     results of earlier versions."""
+    confirmed: Annotated[Validation | None, UNLESS_NONE] = None
+    """The case simulated again by other means, of one that violated and does not here; omitted of any other, if the
+    allowance did not suffice, and in results of earlier versions."""
     not_compared: int = 0
     """Stored violations that the line was not evaluated to, because the allowance was used up; those close to each
     other count once."""
@@ -325,7 +330,12 @@ class ValidateResult(StageResult, Described):
         return self.nominal is not None and self.nominal.half_step is not None
 
     @property
+    def passing(self) -> list[Validation]:
+        """Of the violations of the baseline that are none here: those that were simulated again by other means."""
+        return [basin.confirmed for basin in self.basins if basin.confirmed is not None]
+
+    @property
     def made_again(self) -> list[float]:
-        cases = [self.nominal, *(best.validation for best in self.incumbents)]
+        cases = [self.nominal, *(best.validation for best in self.incumbents), *self.passing]
         spot = None if self.spot_checks is None else self.spot_checks.lowest_reference
         return [*(v for case in cases if case is not None for v in case.values), *([] if spot is None else [spot])]

@@ -24,7 +24,7 @@ def compared(campaign: Campaign, baseline: str, data: Path, database: str) -> tu
     unchanged, and the sentence states so.
     """
     from backend.db.engine import migrate
-    from campaigns.checked.units import differing
+    from campaigns.checked.units import differing, fixed
     from campaigns.results.baselines import CannotCompare, with_baseline
     from clearance.cli.replay import of_folder
     from worker.running.catalogue.installed import catalogue
@@ -35,7 +35,8 @@ def compared(campaign: Campaign, baseline: str, data: Path, database: str) -> tu
             name = baseline[-LONGEST:]
             then = _components(Path(baseline))
             units = "" if then is None else differing(recorded.campaign, then, campaign, catalogue())
-            made = with_baseline(campaign, name, recorded.campaign, recorded.findings, units)
+            values = None if then is None else fixed(recorded.campaign, then)
+            made = with_baseline(campaign, name, recorded.campaign, recorded.findings, units, values)
             return made, f"Baseline: {name}."
         from backend.db import baselines
 

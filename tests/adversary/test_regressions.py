@@ -108,7 +108,7 @@ def raised_wells(random: np.random.Generator) -> tuple[dict[str, Any], Floats, C
     asked = load_document(made)
     problem = Problem(asked, opened.simulated(asked, python, known))
     if len(points):
-        made["baseline"] = baseline(problem, points, lambda p: costs(p, depths), 0.5)
+        made["baseline"] = baseline(problem, points, lambda p: costs(p, depths), 0.5) | {"repeats": {"count": 1}}
         problem = Problem(load_document(made), problem.system)
     return made, points, lambda p: costs(p, after), problem
 

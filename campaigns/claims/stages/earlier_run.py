@@ -11,7 +11,8 @@ from campaigns.claims.spans import Spans
 
 
 class Case(NamedTuple):
-    """One finding; reason: why it was not evaluated, or has no value; assumed: its parameters that are nominal."""
+    """One finding; reason: why it was not evaluated, or has no value; assumed: its parameters that the
+    earlier run did not vary."""
 
     label: str
     evaluated: bool
@@ -32,8 +33,8 @@ def evaluated(run: str, cases: Sequence[Case], thresholds: tuple[float, float], 
         if not case.has_value
     ]
     clauses += [
-        f"{', '.join(case.assumed)} of {case.label} {'is' if len(case.assumed) == 1 else 'are'} nominal: "
-        f"{run} did not vary {'it' if len(case.assumed) == 1 else 'them'}"
+        f"{', '.join(case.assumed)} of {case.label} {'is' if len(case.assumed) == 1 else 'are'} as in {run}, "
+        f"which did not vary {'it' if len(case.assumed) == 1 else 'them'}"
         for case in known
         if case.assumed
     ]
@@ -74,3 +75,24 @@ def other_noise(seeds: Sequence[int]) -> str:
 def not_random(seed: int) -> str:
     """A noise seed has no effect."""
     return f"it drew the noise seed {seed}, but this campaign has no noise"
+
+
+def unknown(path: str, run: str) -> str:
+    """The earlier run did not vary a parameter, and its value there is not stored, or it had no such parameter."""
+    return f"the value of {path} in {run} is not known"
+
+
+def other_seed(path: str, value: float, now: float) -> str:
+    """A seed is fixed in both at different values."""
+    return f"{path} is {now:.9g} here and was {value:.9g}, which is another realisation of the noise"
+
+
+def unknown_calls(run: str) -> str:
+    """The calls of an evaluation there are not stored."""
+    return f"how many calls an evaluation of {run} was is not known"
+
+
+def other_calls(before: tuple[int, str], now: tuple[int, str]) -> str:
+    """An evaluation is fewer calls than there, or they are combined so that a rare violation does not count."""
+    then, here = (f"{calls} call{'' if calls == 1 else 's'}, combined by {combine}" for calls, combine in (before, now))
+    return f"its evaluation was {then}; here it is {here}, which may not show what that did"

@@ -1,8 +1,9 @@
 """Baseline: the findings of an earlier run on this model, one evaluation each.
 
-A finding whose parameters this campaign cannot have is named with the reason and not evaluated. One that drew its own
-noise is evaluated with the same seed. The evaluations are stored as all others, so that the minimum counts them, and
-validation descends from each of them (`worker.engine.stages.parts.findings`).
+A finding is evaluated at all values that it has there, those that its campaign fixed included. One whose parameters
+this campaign cannot have, or that an evaluation of it would not show, is named with the reason and not evaluated. One
+that drew its own noise is evaluated with the same seed. The evaluations are stored as all others, so that the minimum
+counts them, and validation descends from each of them (`worker.engine.stages.parts.findings`).
 """
 
 from __future__ import annotations
@@ -12,7 +13,9 @@ from collections.abc import Iterator
 import numpy as np
 
 from campaigns import Campaign
-from campaigns.asked.regression import BaselineCase
+from campaigns.asked.regression import Baseline, BaselineCase
+from campaigns.asked.scenario import Repeats
+from campaigns.checked.check import unvaried
 from campaigns.claims.stages import earlier_run, ends
 from campaigns.results.base import OK, STATUS
 from campaigns.results.stage import Reevaluated
@@ -70,15 +73,38 @@ def _unusable(problem: Problem, case: BaselineCase) -> str:
             slack = ROUNDING * (known.high - known.low)
             if not known.low - slack <= value <= known.high + slack:
                 found.append(earlier_run.outside(path, value, known.low, known.high))
+    found += _elsewhere(problem, case)
     random = bool(problem.realisations.random)
     if case.realisation is not None and not random:
         found.append(earlier_run.not_random(case.realisation))
     return "; ".join([*found, *_unseen(problem.campaign, case, random)])
 
 
+def _elsewhere(problem: Problem, case: BaselineCase) -> Iterator[str]:
+    """What the baseline did not vary, and this campaign cannot have as it was there: values of what it varies, which
+    must be known and within its bounds, and seeds that select another realisation."""
+    baseline = problem.campaign.baseline
+    assert baseline is not None
+    ranges, fixed = {r.path: r for r in problem.ranges}, baseline.fixed or {}
+    for path in [*ranges, *unvaried(problem.campaign, problem.paths.keys() - ranges.keys())]:
+        value, known = fixed.get(path), ranges.get(path)
+        if path in case.parameters:
+            continue
+        if value is None:
+            yield earlier_run.unknown(path, baseline.run)
+        elif known is None:
+            here = float(problem.system.nominal[problem.paths[path]])
+            if here != value:
+                yield earlier_run.other_seed(path, value, here)
+        elif not known.low <= value <= known.high:
+            yield earlier_run.outside(path, value, known.low, known.high)
+
+
 def _unseen(campaign: Campaign, case: BaselineCase, random: bool) -> Iterator[str]:
-    """What flights of this campaign do not show of a finding that those of the baseline did."""
+    """What evaluations of this campaign do not show of a finding that those of the baseline did."""
     baseline, now = campaign.baseline, campaign.scenario
+    if baseline is not None and campaign.simulator is not None:
+        yield from _uncalled(baseline, campaign.simulator.repeats or Repeats(count=1))
     if baseline is None or now is None:
         return
     then, ended = baseline.realisations, baseline.horizon
@@ -88,12 +114,22 @@ def _unseen(campaign: Campaign, case: BaselineCase, random: bool) -> Iterator[st
         yield earlier_run.other_noise(then.unseen(now.realisations))
 
 
+def _uncalled(baseline: Baseline, now: Repeats) -> Iterator[str]:
+    then = baseline.repeats
+    if then is None:
+        yield earlier_run.unknown_calls(baseline.run)
+    elif not then.shown_by(now):
+        yield earlier_run.other_calls((then.count, then.combine), (now.count, now.combine))
+
+
 def _point(problem: Problem, case: BaselineCase) -> Floats:
     """The finding as a point (n,): its own one if this campaign has the same bounds, so that the bits are the same."""
     own = np.array(case.point)
     if len(own) == problem.dimension and problem.named(own) == case.parameters:
         return own
-    return np.clip(problem.point(case.parameters), 0.0, 1.0)
+    baseline = problem.campaign.baseline
+    fixed = {} if baseline is None else baseline.fixed or {}
+    return np.clip(problem.point({**fixed, **case.parameters}), 0.0, 1.0)
 
 
 def _case(problem: Problem, case: BaselineCase, reason: str, row: int | None, columns: Columns | None) -> Reevaluated:

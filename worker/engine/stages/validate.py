@@ -21,7 +21,7 @@ from campaigns.results.slices import Curve
 from campaigns.results.stage import Reevaluated
 from campaigns.results.validate import CaseBasin, Downhill, Gathered
 from campaigns.stored.records import Trace
-from worker.engine.stages.parts import between, findings, incumbents, modes, noise, offered, seeds
+from worker.engine.stages.parts import between, findings, incumbents, modes, noise, offered, passing, seeds
 from worker.engine.stages.parts.base import all_columns, drive, traced
 from worker.engine.stages.parts.comparison import compare, reached
 from worker.engine.stages.parts.confirm import cases
@@ -48,11 +48,13 @@ def run(context: Context, position: int) -> Outcome[ValidateResult]:
     everything = range(position + 1)
     evaluated = stored(context, everything)
     polished = [_finding(context, i, found, case, evaluated) for i, case in enumerate(confirmed)]
+    passes = passing.confirmed(context, left)
     violations, also = offered.violations(context, everything, left)
     best = incumbents.called(context, polished)
     others = also
     if noisy:
-        others = [*incumbents.violating(context, nominal, best), *incumbents.confirmed(context, also, left)]
+        called = [*incumbents.violating(context, nominal, best), *passing.violating(passes)]
+        others = [*sorted(called, key=lambda pair: pair[0].cost), *incumbents.confirmed(context, also, left)]
     order = sorted([*polished, *_unrepresented(context, polished, others, everything)], key=lambda f: f.cost)
     labels = {id(f): f"F{number}" for number, f in enumerate(order, 1)}
     basins = [labels[id(f)] for f in polished]
@@ -62,7 +64,7 @@ def run(context: Context, position: int) -> Outcome[ValidateResult]:
     named = tuple(_closest(f, t if flies else None) for f, t in zip(shown, flights, strict=True))
     nominal_flight = context.problem.system.trace("nominal", {}) if flies else None
     tolerance = context.campaign.stages.validate_.tolerance
-    validated = [nominal, *(f.validation for f in named if f.validation is not None)]
+    validated = [nominal, *(f.validation for f in named if f.validation is not None), *(v for _, v in passes.values())]
     since = [_matching(context, case, named, found, basins) for case in _reevaluated(context)]
     result = ValidateResult(
         ok=all(case.ok for case in validated),
@@ -78,7 +80,7 @@ def run(context: Context, position: int) -> Outcome[ValidateResult]:
         untraced=untraced,
         spent=left.spent(),
         since=since,
-        basins=_basins(context, position, found, since, basins),
+        basins=_basins(context, position, found, since, basins, passes),
         modes=modes.named(context, found.lines, named),
     )
     return Outcome(result, named, tuple(t for t in flights if t is not None))
@@ -115,10 +117,11 @@ def _undecided(context: Context, case: Reevaluated, found: findings.Found, basin
 
 
 def _basins(
-    context: Context, position: int, found: findings.Found, since: Sequence[str | None], labels: Sequence[str]
-) -> list[CaseBasin]:
+    context: Context, position: int, found: findings.Found, since: Sequence[str | None], labels: Sequence[str],
+    passes: passing.Passing,
+) -> list[CaseBasin]:  # fmt: skip
     """What is known of the basin of each case of the baseline, listed or not; since: their findings, labels: those of
-    the listed basins."""
+    the listed basins, passes: the cases that violate no more."""
     every, basins = [*found.basins, *found.besides], []
     for k, (case, finding) in enumerate(zip(_reevaluated(context), since, strict=True)):
         basin = found.basin_at(np.array(case.point)) if case.cost is not None and found.descended else None
@@ -132,6 +135,7 @@ def _basins(
                 lowest=None if basin is None else every[basin].cost,
                 parameters=None if basin is None or listed else context.problem.named(every[basin].point),
                 line=line,
+                confirmed=passes[k][1] if k in passes else None,
                 violation=None if fall is None else _downhill(context, position, fall),
                 not_compared=not_compared(context, position, found.falls, k),
             )

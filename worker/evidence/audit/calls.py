@@ -79,6 +79,7 @@ class Calls:
         last = self.claims["results"][-1]
         yield last["nominal"]
         yield from (one["validation"] for one in (*self.claims["findings"], *last.get("incumbents", [])))
+        yield from (one["confirmed"] for one in last.get("basins", []) if one.get("confirmed") is not None)
 
     def beside(self, noise: str) -> bool:
         """Whether nothing is wrong with several calls but that those of violations violate; noise: as of `checks`."""

@@ -63,13 +63,16 @@ NEAREST = 20
 """The version since which the lowest values have a grid of their own."""
 EACH = 21
 """The version since which what a search excludes counts by itself, a fixed seed of any part bars, a large nominal value
-is no scale of how sure a search is, and a few values that return often lie on a grid."""
+is no scale of how sure a search is, and a few values that return often lie on a grid; since which a case of a baseline
+is fixed only if it was evaluated at all its values, with no fewer calls, and confirmed by other means."""
 BOTTOM, TOP, MANY = 0.1, 0.9, 100
 """A nominal value is far above so many costs if none is between these fractions of its height."""
 CLEARING = max(ROUNDED, LOWEST, SHARED, AFTER, HALVED, WIDER, ALIKE, MEASURED, GRANTED, NEAREST, EACH)
 """The version since which the rules that can withdraw "cleared" are those of today."""
 RULES = max(CLEARING, BASINS, BASELINES, BESIDE, TAILS, CALLED, VIOLATING, WHOLE)
 """The version since which the rules are those of today."""
+CHANCE = 0.05
+"""Independent calls of two runs differ beyond chance if the probability of it is at most this."""
 POINTS, TIMES = 5, 3
 """Of a simulator: how many points are evaluated to measure whether it repeats, and how often each."""
 

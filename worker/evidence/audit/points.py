@@ -11,7 +11,7 @@ from campaigns import cube
 from campaigns.claims.stages import sample as templates
 from campaigns.results.base import OK
 from campaigns.results.sample import GridPoint, GridResult
-from worker.evidence.audit import attraction, counted, draw, estimate
+from worker.evidence.audit import attraction, counted, draw, estimate, limits
 from worker.evidence.audit.parts import OMIT, made
 from worker.evidence.audit.recompute import Run, counts
 
@@ -93,11 +93,13 @@ def _baseline(run: Run, k: int) -> tuple[int, int]:
     baseline, found = run.campaign.baseline, 0
     assert baseline is not None
     points = run.rows(k)[0]
+    fixed = (baseline.fixed if run.wording >= limits.EACH else None) or {}
     cases = {case.label: case.parameters for case in baseline.cases}
     rows = {case["index"]: cases.get(case["label"], {}) for case in run.claims["results"][k]["cases"]}
     for row, point in enumerate(points):
         at = run.values(point)
-        wanted = {path: rows.get(row, {}).get(path, run.known[path][1]) for path in at}
+        own = fixed | rows.get(row, {})
+        wanted = {path: own.get(path, run.known[path][1]) for path in at}
         apart = np.abs(np.subtract([*at.values()], [*wanted.values()]))
         found += row in rows and bool((apart <= SLACK * (run.high - run.low)).all())
     return len(points), found

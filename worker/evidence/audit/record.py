@@ -16,6 +16,8 @@ import sqlalchemy as sa
 
 from campaigns import Campaign, CampaignError, Catalogue, load_file
 from campaigns.asked.load import load_document
+from campaigns.asked.regression import Baseline
+from campaigns.checked.check import parameters
 from campaigns.checked.question import question
 from campaigns.claims.earlier import throughout
 from campaigns.documents import JsonObject, digest_of
@@ -27,7 +29,7 @@ from campaigns.stored.digest import Rows, evidence_digest
 from campaigns.unreadable import UNREADABLE
 from campaigns.versions import Versions, undigested
 from worker.evidence.audit import files
-from worker.evidence.audit.limits import GRANTED
+from worker.evidence.audit.limits import EACH, GRANTED
 
 MALFORMED = (TypeError, ValueError, LookupError, AttributeError, ArithmeticError, AssertionError, StopIteration)
 """How reading a record of another form ends, and judging one by rules that need what it does not have."""
@@ -202,11 +204,35 @@ def _launched(
     names = ("label", "cost", "point", "parameters")
     stated = sorted([*(getattr(case, name) for name in names), case.called] for case in baseline.cases)
     stored = sorted([*(case[name] for name in names), _called(case, other["threshold"], written)] for case in cases)
+    if written >= EACH:
+        calls = {case.label: case.calls and [case.calls.made, case.calls.low] for case in baseline.cases}
+        found["baseline.calls"] = (calls, {case["label"]: _calls(case, other["threshold"]) for case in cases})
+        found |= _fixed_there(rows, baseline, other)
     return found | {
         "baseline.digest": (baseline.digest, other["campaign_digest"]),
         "baseline.threshold": (baseline.threshold, other["threshold"]),
         "baseline.cases": (stated, stored),
     }
+
+
+def _fixed_there(rows: Callable[..., list[Any]], baseline: Baseline, other: Any) -> dict[str, tuple[Any, Any]]:
+    """The values that the campaign of the baseline's own run did not vary, and the calls of an evaluation there."""
+    there = load_document(rows("campaigns", "digest", digest=other["campaign_digest"])[0]["document"], baseline.run)
+    calls = None if there.simulator is None else [there.simulator.calls, there.simulator.combine]
+    then = baseline.repeats and [baseline.repeats.count, baseline.repeats.combine]
+    found: dict[str, tuple[Any, Any]] = {"baseline.repeats": (then, calls)}
+    snapshots = rows("catalogue_snapshots", "digest", digest=other["snapshot"]) if other.get("snapshot") else []
+    if baseline.fixed is not None and snapshots:
+        known = parameters(there, Catalogue.model_validate(snapshots[0]["document"]))
+        values = {path: value for path, (_, value) in known.items() if path not in there.uncertain}
+        found["baseline.fixed"] = (dict(baseline.fixed), values)
+    return found
+
+
+def _calls(finding: Any, threshold: float) -> list[Any] | None:
+    """How many independent calls were made of a finding, and the values of those that violate."""
+    values = ((finding["validation"] or {}).get("repeats") or {}).get("values")
+    return None if values is None else [len(values), sorted(v for v in values if v is not None and v <= threshold)]
 
 
 def _called(finding: Any, threshold: float, written: int) -> float | None:

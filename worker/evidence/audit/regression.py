@@ -2,7 +2,8 @@
 
 Taken as given: which finding of this run is in the basin of one of the baseline, which of the evaluations is the lowest
 there, and between which stored violations and a case no barrier was found. That no case is clear between a violation of
-the baseline and the finding of this run that is the same is judged by the stored evaluations between them.
+the baseline and the finding of this run that is the same is judged by the stored evaluations between them. The
+values of a case that was confirmed by other means are taken as those of a finding are.
 """
 
 from __future__ import annotations
@@ -15,85 +16,17 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from campaigns.asked.regression import BaselineCase, FailOn
-from campaigns.claims.stages import earlier_run
-from campaigns.results.base import OK, STATUS
+from campaigns.results.base import OK
+from campaigns.results.finding import Validation
 from campaigns.results.regression import FindingChange, Regression
-from campaigns.results.stage import Reevaluated
-from campaigns.stages.baseline import BaselineResult
 from worker.evidence.audit import limits
 from worker.evidence.audit.modes import NEAR
 from worker.evidence.audit.parts import OMIT, REST, changed, made
 from worker.evidence.audit.recompute import Run
+from worker.evidence.audit.reevaluation import position
 
 LINE = 32
 """Equal parts of the line from a violation of the baseline to the finding of its basin."""
-
-
-def position(run: Run) -> int:
-    """Where the plan has the stage that evaluates the findings of the baseline."""
-    return [planned.kind for planned in run.plan].index("baseline")
-
-
-def evaluated(run: Run) -> BaselineResult:
-    """The result of that stage, from the campaign's baseline and the evaluations."""
-    baseline, stated = run.campaign.baseline, run.claims["results"][position(run)]["cases"]
-    assert baseline is not None
-    by_label = {recorded["label"]: recorded for recorded in stated}
-    cases = [_evaluated(run, case, by_label.get(case.label, {}).get("index")) for case in baseline.cases]
-    if not _compares(run):
-        older = [made(Reevaluated, label=case.label, cost=case.cost, **REST) for case in cases]
-        return made(BaselineResult, cases=older, **REST)
-    of = [
-        earlier_run.Case(c.label, c.index is not None, c.status == STATUS[OK], r["reason"], r["assumed"])
-        for c, r in zip(cases, stated, strict=True)
-    ]
-    statement = earlier_run.evaluated(baseline.run, of, (baseline.threshold, run.threshold), run.unit)
-    return made(BaselineResult, run=baseline.run, cases=cases, statement=OMIT if run.reworded else statement)
-
-
-def _evaluated(run: Run, case: BaselineCase, k: int | None) -> Reevaluated:
-    """One finding of the baseline; the evaluation that its row names must be there, or its parameters impossible."""
-    points, costs, status = run.rows(position(run))
-    found = made(Reevaluated, label=case.label, realisation=None if k is None else case.realisation, **REST)
-    if k is None:
-        index = "an evaluation" if _possible(run, case) else None
-        at = dict(case.parameters)
-        return changed(found, parameters=at, point=[], status=None, cost=math.nan, index=index)
-    ok = status[k] == OK
-    return changed(
-        found, index=k, parameters=run.values(points[k]), point=points[k].tolist(),
-        status=dict(enumerate(STATUS)).get(int(status[k])), cost=float(costs[k]) if ok else math.nan,
-        assumed=[path for path in run.bounds if path not in case.parameters], reason="" if ok else OMIT,
-    )  # fmt: skip
-
-
-def _possible(run: Run, case: BaselineCase) -> bool:
-    """Whether this campaign can have the parameters of a finding of the baseline, and its noise."""
-
-    def fits(path: str, value: float) -> bool:
-        if path not in run.known:
-            return False
-        if path not in run.bounds:
-            return float(run.known[path][1]) == value
-        low, high = run.bounds[path]
-        return low <= value <= high
-
-    noise = case.realisation is None or bool(run.random)
-    return noise and _looked(run, case) and all(fits(path, value) for path, value in case.parameters.items())
-
-
-def _looked(run: Run, case: BaselineCase) -> bool:
-    """Whether flights last until the closest approach of a finding, and have the noise with which it was found."""
-    baseline, scenario = run.campaign.baseline, run.campaign.scenario
-    if baseline is None or scenario is None:
-        return True
-    needed = baseline.horizon if case.time is None else case.time
-    long = baseline.horizon is None or scenario.horizon >= min(needed or 0.0, baseline.horizon)
-    if not run.random or case.realisation is not None or baseline.realisations is None:
-        return long
-    before, now = baseline.realisations, scenario.realisations
-    every = set(before.seeds) <= set(now.seeds) and now.combine == "worst"
-    return long and (every or (before.combine == now.combine == "mean" and set(before.seeds) == set(now.seeds)))
 
 
 def examined(run: Run) -> bool:
@@ -118,7 +51,7 @@ def _has_basins(run: Run) -> bool:
 
 def _seen(run: Run, number: int) -> bool:
     basin = run.claims["results"][-1]["basins"][number]
-    if not _between(run, number, basin.get("line")):
+    if not _between(run, number, basin.get("line")) or not _as_stated(run, number):
         return False
     lowest, violation = basin["lowest"], basin.get("violation")
     if violation is not None:
@@ -137,6 +70,39 @@ def _seen(run: Run, number: int) -> bool:
     again = run.claims["results"][position(run)]["cases"][number]
     plain = again["cost"] is not None and again.get("realisation") is None and not run.calls.noisy
     return bool(here.any()) and (not plain or lowest <= again["cost"])
+
+
+def _as_stated(run: Run, number: int) -> bool:
+    """Whether a case that was confirmed agrees, violates and is validated as its values show."""
+    recorded, found = run.claims["results"][-1]["basins"][number].get("confirmed"), passing(run, number)
+    if recorded is None or found is None:
+        return recorded is found
+    again, others = run.claims["results"][position(run)]["cases"][number], ("agrees", "violates", "ok")
+    same = all(bool(recorded[name]) == bool(getattr(found, name)) for name in others)
+    return same and recorded["cost"] == again["cost"] is not None
+
+
+def passing(run: Run, number: int) -> Validation | None:
+    """A case of the baseline that violates no more, by the values that other means gave it; None if it was not so
+    confirmed."""
+    basins = run.claims["results"][-1].get("basins") or []
+    recorded = basins[number].get("confirmed") if number < len(basins) else None
+    return None if recorded is None else run.case(recorded, OMIT, recorded["cost"])
+
+
+def _confirmed(run: Run, number: int, case: BaselineCase) -> bool:
+    """Whether it violates no more by any means, and in calls beyond chance: the probability that none of those here
+    violates, if so many of both runs' calls do, is that of Fisher's exact test."""
+    found = passing(run, number)
+    if found is None or not found.agrees:
+        return False
+    calls = (run.claims["results"][-1]["basins"][number]["confirmed"].get("repeats") or {}).get("values")
+    if calls is None or case.calls is None:
+        return True
+    chance, here = 1.0, len(calls)
+    for k in range(sum(value <= run.threshold for value in case.calls.low)):
+        chance *= (case.calls.made - k) / (case.calls.made + here - k)
+    return chance <= limits.CHANCE * (1 + 1e-9)
 
 
 def _between(run: Run, number: int, stated: Any) -> bool:
@@ -193,7 +159,7 @@ def regression(run: Run, checks: dict[str, bool]) -> Regression:
     violations = [case for case in cases if (case.margin or 0.0) <= 0]
     known = bool(violations) and not any(case.newly_violating for case in violations)
     strictest = _thresholds(run)[1] - run.threshold
-    rows = [changed(case, fails=_fails(policy.fail_on, case, strictest)) for case in cases]
+    rows = [changed(case, fails=_fails(run, policy.fail_on, case, strictest)) for case in cases]
     baseline = run.campaign.baseline
     assert baseline is not None
     left_out = {finding.label for finding in run.findings} - {recorded["now"] for recorded in stated["cases"]}
@@ -239,6 +205,7 @@ def _case(run: Run, number: int) -> FindingChange:
     assert baseline is not None
     case = next(case for case in baseline.cases if case.label == recorded["before"])
     known = {other.label: _basin(run, number) for number, other in enumerate(baseline.cases)}
+    at = [other.label for other in baseline.cases].index(case.label)
     own, limit = known[case.label], run.threshold
     basin, stands = own.cost, True
     if own.now is not None or math.isfinite(basin):  # the lowest finding of the baseline represents a basin
@@ -256,12 +223,15 @@ def _case(run: Run, number: int) -> FindingChange:
     new = lowest <= limit and not violated
     if violated and lowest > limit:
         repeating = (run.claims["results"][-1]["nominal"] or {}).get("repeats") is None
-        shown = own.examined and (case.called is None or own.now is not None or repeating)
+        shown = own.examined and (run.wording >= limits.EACH or case.called is None or own.now is not None or repeating)
         standing = "better" if basin <= limit or own.violates else "fixed" if shown else "unresolved"
     else:
         allowed = max(tolerance, _apart(run, before, lowest))
         worse = new or again < before - tolerance or lowest < before - allowed
         standing = "worse" if worse else "better" if lowest > before + tolerance else "same"
+    passes = violated and again > limit and standing in ("fixed", "better")
+    if passes and run.wording >= limits.EACH and _has_basins(run) and not _confirmed(run, at, case):
+        standing = "unresolved"
     place = own.parameters if stands and basin < again else run.values(run.rows(position(run))[0][k])
     margins = before - limit, again - limit, lowest - limit
     return _row(run, standing, margins, (k, own.now, place), tolerance, new, lowest - before)
@@ -362,11 +332,10 @@ def _thresholds(run: Run) -> list[float]:
     return sorted((baseline.threshold if baseline is not None and _compares(run) else run.threshold, run.threshold))
 
 
-def _fails(fail_on: list[FailOn], case: FindingChange, strictest: float) -> bool:
-    if case.standing == "not compared":
+def _fails(run: Run, fail_on: list[FailOn], case: FindingChange, strictest: float) -> bool:
+    if case.standing in ("not compared", "unresolved"):
         violated = (case.margin_before or 0.0) <= strictest
+        violated = violated and (case.standing == "not compared" or run.wording >= limits.EACH)
         return "not_compared" in fail_on or ("violation" in fail_on and violated)
-    if case.standing == "unresolved":
-        return "not_compared" in fail_on
     kinds = {str(case.standing), *(["new_violation"] if case.newly_violating else [])}
     return bool(kinds & {"new", "worse", "new_violation"} & set(fail_on))

@@ -34,7 +34,8 @@ from worker.evidence.audit.parts import OMIT, REST, Finding, changed, made, read
 from worker.evidence.audit.points import grid
 from worker.evidence.audit.recompute import Run
 from worker.evidence.audit.record import MISSING
-from worker.evidence.audit.regression import evaluated, examined, position, regression
+from worker.evidence.audit.reevaluation import evaluated, position
+from worker.evidence.audit.regression import examined, passing, regression
 from worker.evidence.audit.sentences import budget, of_certified, of_sample
 from worker.evidence.audit.stored import finder, lowest_of
 from worker.evidence.audit.sureness import sureness
@@ -105,8 +106,10 @@ def validated(run: Run, at_most: int, spot_checks: int) -> forms.ValidateResult:
         )  # fmt: skip
         most = validation(run.campaign, run.calls.noisy).total
         spent = made(forms.Spent, at_most=most, stored=run.ended[-1].evaluations, **REST)  # the rest was made again
+    again = (passing(run, number) for number in range(len(stated.get("basins") or [])))
+    cases = [*(f.validation for f in run.findings), *(case for case in again if case is not None)]
     return made(
-        forms.ValidateResult, nominal=nominal, ok=bool(nominal.ok) and all(f.validation.ok for f in run.findings),
+        forms.ValidateResult, nominal=nominal, ok=bool(nominal.ok) and all(case.ok for case in cases),
         violations=made(forms.Violations, stored=stored, by_stage=by_stage, checked=checked[0], **REST),
         encounter=made(forms.Encounter, spread=spread, beyond=beyond, **REST),
         spot_checks=made(forms.SpotChecks, checked=checked[1] - out.get("spot_checks", 0), **REST), tolerance=tolerance,

@@ -198,6 +198,8 @@ def _cases(evidence: Evidence) -> Iterator[tuple[Spans, Validation]]:
             yield say(finding(found.label)), found.validation
     for best in validation.incumbents:
         yield say(f"the best of {best.title}"), best.validation
+    for again in validation.passing:
+        yield say(case(again.name)), again
 
 
 def _later(measured: Measured, problem: Problem, evidence: Evidence) -> tuple[bool, Spans]:

@@ -79,7 +79,7 @@ def _verdict(problem: Problem, found: Sequence[Check], evidence: Evidence) -> Ve
             f"every check holds although a stored evaluation has {evidence.lowest}, at or below {problem.threshold}"
         )
     cases = [v for v in (evidence.validation.nominal, *(f.validation for f in evidence.findings)) if v is not None]
-    cases += [best.validation for best in evidence.validation.incumbents]
+    cases += [*(best.validation for best in evidence.validation.incumbents), *evidence.validation.passing]
     if cleared and any(v.repeats is not None and (v.repeats.violating or v.repeats.failed) for v in cases):
         raise AssertionError("every check holds although an independent call of the simulator violates or fails")
     return VerdictWord.CLEARED if cleared else VerdictWord.INCONCLUSIVE

@@ -5,8 +5,9 @@ violation violates newly, and one that a lowered threshold makes none is not fix
 model by more than the tolerance, or if the search found a case in its basin that is lower than any finding of the
 baseline there: of that one the tolerance is larger, because two searches do not stop at the same point. A case that
 begins or ceases to violate has changed whatever the tolerance; it is fixed only if nothing known in its basin violates,
-listed as a finding or not, and unresolved if validation could not examine the basin. Of a simulator that does not
-repeat, a violation is also one that only independent calls show.
+listed as a finding or not, and if the case itself is confirmed as a finding is: evaluated again, at half the step, with
+the reference integrator, in independent calls. It is unresolved if validation could not examine the basin, or did not
+confirm the case. Of a simulator that does not repeat, a violation is also one that only independent calls show.
 
 A violation of the baseline and a violating finding in its basin are two if a case on the line between them is clear:
 one basin has barriers of a fraction of nominal minus worst, which may be far above the threshold.
@@ -20,7 +21,7 @@ from dataclasses import dataclass
 
 from campaigns import rules
 from campaigns.asked.regression import Baseline, BaselineCase, Policy
-from campaigns.claims.say import count, finding, joined, limit, on_side, say, signed, symbol
+from campaigns.claims.say import amount, count, finding, joined, limit, on_side, say, signed, symbol
 from campaigns.claims.spans import Spans
 from campaigns.codes import CheckCode
 from campaigns.results import Finding
@@ -35,6 +36,8 @@ from worker.evidence.verdicts.evidence import Evidence
 
 IS = {Standing.SAME: "the same"}
 """A standing in the words of a sentence, where it is not the word itself."""
+MENDED = (Standing.FIXED, Standing.BETTER)
+UNKNOWN = (Standing.NOT_COMPARED, Standing.UNRESOLVED)
 CALLED = " in an independent call"
 NAMED = 3
 """Findings that the sentence names."""
@@ -147,7 +150,9 @@ def _known(
     standing = _standing(problem, evidence, (before.stated, again.cost, cost), violated, tolerance)
     if standing is Standing.FIXED and basin.violates(threshold):
         standing = Standing.BETTER
-    elif standing is Standing.FIXED and (not basin.resolved or _uncalled(evidence, before, basin)):
+    elif standing is Standing.FIXED and not basin.resolved:
+        standing = Standing.UNRESOLVED
+    if standing in MENDED and violated and again.cost > threshold and _unconfirmed(problem, before, basin.known):
         standing = Standing.UNRESOLVED
     return FindingChange(
         standing=standing,
@@ -165,11 +170,26 @@ def _known(
     )
 
 
-def _uncalled(evidence: Evidence, before: BaselineCase, basin: _Basin) -> bool:
-    """Whether only independent calls showed that it violates, and this run made none in its basin, though its simulator
-    does not repeat either."""
-    nominal = evidence.validation.nominal
-    return before.called is not None and basin.finding is None and nominal is not None and nominal.repeats is not None
+def _unconfirmed(problem: Problem, before: BaselineCase, known: CaseBasin | None) -> Spans:
+    """Why a case that violated in the baseline, and not when it was evaluated here, may still violate; a clause, empty
+    if it was confirmed as a finding is, and in results of earlier versions, which did not confirm it."""
+    if known is None:
+        return ()
+    case = known.confirmed
+    if case is None:
+        return say("the allowance of validation did not suffice to confirm it")
+    low = [value for value in case.values if value <= problem.threshold]
+    if low:
+        by = "evaluated again" if case.repeats is None else CALLED.strip()
+        return say(f"{by} it violates with ", on_side(min(low), problem.threshold, problem.unit, "confirmed"))
+    if not case.agrees:
+        lacks = case.incomplete or (case.repeats is not None and case.repeats.failed > 0)
+        return say(f"evaluated again it {'has no value' if lacks else 'differs by more than the tolerance'}")
+    if case.repeats is None or before.calls is None or before.calls.differ(len(case.repeats.values), problem.threshold):
+        return ()
+    few = sum(value <= problem.threshold for value in before.calls.low)
+    there = say(count(few, "violating_there"), " of ", amount(before.calls.made, "independent call", "calls_there"))
+    return say(there, " violated, of ", count(len(case.repeats.values), "calls"), " here none, which may be chance")
 
 
 def _own(problem: Problem, evidence: Evidence, before: BaselineCase, again: Reevaluated, basin: _Basin) -> _Basin:
@@ -256,9 +276,7 @@ def _of_violations(check: Check, problem: Problem, evidence: Evidence) -> bool:
 def _fails(policy: Policy, case: FindingChange, strictest: float) -> bool:
     """strictest: the margin at or below which a case violates by the higher of both thresholds."""
     fail_on = policy.fail_on
-    if case.standing is Standing.UNRESOLVED:
-        return "not_compared" in fail_on
-    if case.standing is Standing.NOT_COMPARED:  # other bounds or names must not hide a violation that was known
+    if case.standing in UNKNOWN:  # what was not examined must not hide a violation that was known
         known = case.margin_before is not None and case.margin_before <= strictest
         return "not_compared" in fail_on or ("violation" in fail_on and known)
     return (
@@ -276,19 +294,21 @@ def _described(
     is_ = f"{before.label} of {run} is {IS.get(standing, standing)}: "
     by = "" if before.called is None else CALLED
     statement = say(is_, quantity, " = ", now, " on this model, ", was, " there", by)
-    where = _where(problem, again, cost, standing, basin)
+    where = _where(problem, before, again, cost, standing, basin)
     return say(statement, "; ", where, ", a change of ", signed(cost - before.stated, unit, "change"))
 
 
-def _where(problem: Problem, again: float, cost: float, standing: Standing, basin: _Basin) -> Spans:
+def _where(
+    problem: Problem, before: BaselineCase, again: float, cost: float, standing: Standing, basin: _Basin
+) -> Spans:
     """A clause on what is known of the basin of a case."""
     unit, threshold, there, known = problem.unit, problem.threshold, basin.finding, basin.known
+    if standing is Standing.UNRESOLVED:
+        return _unconfirmed(problem, before, known) or say(_unexamined(known))
     if known is not None and known.violation is not None and basin.cost > threshold:
         at = f"evaluation {known.violation.index} of stage {known.violation.position}"
         value = on_side(known.violation.cost, threshold, unit, "lowest")
         return say(f"there is no barrier between it and {at}, which violates with ", value)
-    if standing is Standing.UNRESOLVED:
-        return say(_unexamined(known) if not basin.resolved else "this run made no independent calls in its basin")
     if basin.apart is not None and known is not None and known.line is not None:
         highest = known.line.highest
         between = say("a case between it and ", finding(basin.apart))

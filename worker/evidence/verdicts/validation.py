@@ -20,6 +20,7 @@ def worded(problem: Problem, result: StageResult, findings: Sequence[Finding]) -
         return result
     words = terms(problem.system).words
     cases = [found for found in (result.nominal, *(f.validation for f in findings)) if found is not None]
+    cases += result.passing
     statement = _agreement(words, cases) if all(found.repeats is None for found in cases) else _repeated(words, cases)
     counts, spot = result.violations, result.spot_checks
     compared = () if spot is None else say(_compared(words, spot, problem.unit), _left_out(result.spent))

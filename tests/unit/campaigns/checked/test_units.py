@@ -10,7 +10,7 @@ import pytest
 from campaigns.asked.load import load_document
 from campaigns.asked.spec import Campaign
 from campaigns.catalogue import Catalogue
-from campaigns.checked.units import differing
+from campaigns.checked.units import differing, fixed
 from campaigns.results.baselines import CannotCompare, with_baseline
 from tests.given import verdict_evidence as given
 from tests.given.case_campaigns import campaign
@@ -48,6 +48,19 @@ def test_units_differ_where_a_number_means_something_else(
     statement = differing(one, catalogues[0], one, catalogues[1])
     assert bool(statement) == bool(named)
     assert all(f"{word} " in f"{statement.replace(',', '')} " for word in named)
+
+
+def test_what_is_varied_in_either_has_the_same_unit() -> None:
+    """A baseline that fixed the wind states its value, which is a number of its own unit."""
+    one = simulated()
+    calm = load_document(
+        one.document() | {"uncertain": {"simulator.gust": {"low": 0, "high": 1}}, "simulator": {"name": "drop"}}
+    )
+    then, now = described("m", "m/s"), described("m", "km/h")
+    assert fixed(calm, then) == {"simulator.wind": 1.0}
+    assert fixed(one, then) == {}
+    assert differing(calm, then, one, now).startswith("simulator.wind is in m/s")
+    assert differing(one, then, calm, now).startswith("simulator.wind is in m/s")
 
 
 def test_a_scenario_has_the_units_of_its_components() -> None:

@@ -10,15 +10,18 @@ from xml.etree import ElementTree as Xml
 import pytest
 from hypothesis import given as given_
 from hypothesis import strategies as st
+from scipy.stats import hypergeom
 
 from campaigns import Campaign, rules
 from campaigns.asked.load import load_document
 from campaigns.asked.problem import CampaignError
+from campaigns.asked.regression import CallsThere
 from campaigns.asked.spec import seedless
 from campaigns.claims.spans import values
 from campaigns.documents import canonical
 from campaigns.results import Finding, Verdict
 from campaigns.results.baselines import CannotCompare, with_baseline
+from campaigns.results.finding import HalfStep, Validation
 from campaigns.results.regression import FindingChange, Regression, Standing
 from campaigns.results.stage import Reevaluated
 from campaigns.results.validate import CaseBasin, Downhill, Line
@@ -31,6 +34,7 @@ from clearance.testing.problems import Problem
 from tests.given import verdict_evidence as given
 from tests.given.case_campaigns import campaign, document
 from tests.results import Marks
+from worker.engine.stages.parts.repeated import of_values
 from worker.evidence.verdicts.regression import regression
 
 AT = {"vehicle.m": 6.0, "vehicle.J": 0.06}
@@ -134,34 +138,105 @@ def test_nothing_is_fixed_while_its_basin_violates() -> None:
 
 
 FELL = Downhill(position=3, index=17, cost=0.42)
+PASSES = given.case("F1 of R-0001", 0.60)
+"""The case of 0.6 m, confirmed by other means."""
+
+
+def basin(lowest: float | None, **known: Any) -> CaseBasin:
+    """What is known of the basin of a case that is confirmed."""
+    return CaseBasin(lowest=lowest, **{"confirmed": PASSES, **known})
 
 
 @pytest.mark.parametrize(
-    ("now", "since", "basin", "standing", "margin", "known"),
+    ("now", "since", "there", "standing", "margin", "known"),
     [
-        ((), None, CaseBasin(lowest=0.55), Standing.FIXED, 0.05, "0.55 m"),
-        ((), None, CaseBasin(lowest=0.45), Standing.BETTER, -0.05, "0.45 m"),
-        ((), None, CaseBasin(lowest=0.40), Standing.SAME, -0.1, "0.4 m"),
-        ((), None, CaseBasin(lowest=0.30), Standing.WORSE, -0.2, "0.3 m"),
-        ((0.55,), "F1", CaseBasin(lowest=0.55), Standing.FIXED, 0.05, "F1 "),
-        ((0.55,), "F1", CaseBasin(lowest=0.55, violation=FELL), Standing.BETTER, 0.05, "17 of stage 3"),
-        ((), None, CaseBasin(lowest=0.55, violation=FELL), Standing.BETTER, 0.05, "0.42 m"),
-        ((0.55,), "F1", CaseBasin(lowest=0.55, not_compared=4), Standing.UNRESOLVED, 0.05, "4 stored violations"),
-        ((), None, CaseBasin(lowest=None), Standing.UNRESOLVED, 0.1, " to descend"),
-        ((), None, CaseBasin(lowest=None, violation=FELL), Standing.BETTER, 0.1, "0.42 m"),
+        ((), None, basin(lowest=0.55), Standing.FIXED, 0.05, "0.55 m"),
+        ((), None, basin(lowest=0.45), Standing.BETTER, -0.05, "0.45 m"),
+        ((), None, basin(lowest=0.40), Standing.SAME, -0.1, "0.4 m"),
+        ((), None, basin(lowest=0.30), Standing.WORSE, -0.2, "0.3 m"),
+        ((0.55,), "F1", basin(lowest=0.55), Standing.FIXED, 0.05, "F1 "),
+        ((0.55,), "F1", basin(lowest=0.55, violation=FELL), Standing.BETTER, 0.05, "17 of stage 3"),
+        ((), None, basin(lowest=0.55, violation=FELL), Standing.BETTER, 0.05, "0.42 m"),
+        ((0.55,), "F1", basin(lowest=0.55, not_compared=4), Standing.UNRESOLVED, 0.05, "4 stored violations"),
+        ((), None, basin(lowest=None), Standing.UNRESOLVED, 0.1, " to descend"),
+        ((), None, basin(lowest=None, violation=FELL), Standing.BETTER, 0.1, "0.42 m"),
     ],
 )
 def test_what_is_known_of_a_basin_decides_whether_it_is_fixed(
-    now: tuple[float, ...], since: str | None, basin: CaseBasin, standing: Standing, margin: float, known: str
+    now: tuple[float, ...], since: str | None, there: CaseBasin, standing: Standing, margin: float, known: str
 ) -> None:
     """Of a case that violated by 0.1 m and is clear by 0.1 m now."""
-    found = compared((0.40,), (0.60,), now, (since,), (basin,), regression={"fail_on": ["not_compared"]})
+    found = compared((0.40,), (0.60,), now, (since,), (there,), regression={"fail_on": ["not_compared"]})
     (case,) = found.cases
     assert (case.standing, case.margin) == (standing, pytest.approx(margin))
     assert known in case.text.partition("; ")[2]
     assert case.fails == (standing is Standing.UNRESOLVED)
     told = case.text in " ".join(changes(concluded(found)))
     assert told == (standing is Standing.UNRESOLVED), "what was not examined is stated beside the counts"
+
+
+def called(*values: float | None) -> Validation:
+    """A case of 0.6 m of a simulator that does not repeat, with independent calls of these values."""
+    calls = of_values(values, [], 0.5, 0.95)
+    violates = calls.violating > 0
+    ok = violates or not calls.failed
+    return Validation(
+        name="F1", step=None, cost=0.6, allowed=None, ok=ok, agrees=ok and not violates, violates=violates,
+        repeats=calls,
+    )  # fmt: skip
+
+
+def halved(cost: float | None) -> Validation:
+    """A case of 0.6 m that has another value at half the step."""
+    half = HalfStep(step=0.0025, cost=cost, difference=None if cost is None else cost - 0.6)
+    return given.case(cost=0.6, confirmed=False).model_copy(update={"half_step": half})
+
+
+@pytest.mark.parametrize(
+    ("confirmed", "why"),
+    [
+        (None, " to confirm"),
+        (
+            halved(0.45),
+            " again it violates",
+        ),
+        (halved(0.8), " differs by more"),
+        (halved(None), " no value"),
+        (called(*[0.6] * 9, 0.4), " independent call"),
+        (called(*[0.6] * 9, None), " no value"),
+    ],
+)
+@pytest.mark.parametrize("now", [0.55, 0.45])
+def test_what_is_not_confirmed_is_neither_fixed_nor_better(now: float, confirmed: Validation | None, why: str) -> None:
+    """Whether its basin is clear or has a milder violation; the usual policy fails, as where it is not compared."""
+    found = compared((0.40,), (0.60,), (now,), ("F1",), (basin(now, confirmed=confirmed),))
+    (case,) = found.cases
+    assert (case.standing, case.fails) == (Standing.UNRESOLVED, True)
+    assert why in case.text
+    accepting = compared(
+        (0.40,), (0.60,), (now,), ("F1",), (basin(now, confirmed=confirmed),), regression={"fail_on": ["new"]}
+    )
+    assert not accepting.cases[0].fails
+
+
+@pytest.mark.parametrize(
+    ("made", "low", "here", "differ"),
+    [
+        (10, 10, 10, True),
+        (10, 4, 10, True),
+        (10, 3, 10, False),
+        (10, 1, 10, False),
+        (10, 0, 10, False),
+        (10, 1, 190, True),
+        (10, 1, 189, False),
+    ],
+)
+def test_calls_of_both_runs_differ_beyond_chance(made: int, low: int, here: int, differ: bool) -> None:
+    """By Fisher's exact test at 5 %; of a violation of 1 in 10 calls, 10 clear ones show nothing."""
+    there = CallsThere(made=made, low=[0.4] * low)
+    chance = hypergeom(made + here, low, made).sf(low - 1) if low else 1.0
+    assert there.differ(here, 0.5) is differ is bool(chance <= 0.05 + 1e-12)
+    assert not there.differ(here, 0.3), "by the threshold of this run none violated"
 
 
 @pytest.mark.parametrize(
@@ -193,7 +268,7 @@ def test_what_violates_by_one_threshold_only_is_not_fixed(there: float, before: 
 
 
 def test_cases_in_one_basin_that_is_not_listed_have_one_representative() -> None:
-    basins = (CaseBasin(lowest=0.35), CaseBasin(lowest=0.35))
+    basins = (basin(0.35), basin(0.35))
     first, second = compared((0.40, 0.45), (0.60, 0.60), (), (None, None), basins).cases
     assert (first.standing, second.standing) == (Standing.WORSE, Standing.BETTER)
 

@@ -17,7 +17,7 @@ from backend.db.store import RunStore
 from campaigns import Campaign
 from campaigns.asked.allowance import STARTS
 from campaigns.asked.load import load_document
-from campaigns.claims.stages.earlier_run import not_random
+from campaigns.claims.stages.earlier_run import not_random, outside, unknown
 from campaigns.refusals import RefusalCode
 from campaigns.results.base import EXCLUDED
 from campaigns.stages.baseline import BaselineResult
@@ -90,12 +90,34 @@ def test_parameters_that_cannot_be_had_are_named(parameters: dict[str, float], s
     assert f"1 of 2 findings of R-0001 evaluated; F1 was not evaluated: {statement}" in result.text
 
 
-def test_a_parameter_that_is_fixed_at_its_value_and_one_that_is_new() -> None:
-    made = context(against({"parameters": {"vehicle.m": 6.0, "avoider.d_0": 2.0}}), flat)
-    result = ran(made)
-    assert result.cases[0].parameters == {"vehicle.m": 6.0, "vehicle.J": 0.05}
+def fixed(made: Campaign, **values: float) -> Campaign:
+    """The campaign with a baseline that states the values that it did not vary."""
+    return load_document({**made.document(), "baseline": {**made.document()["baseline"], "fixed": values}})
+
+
+def test_a_parameter_that_is_fixed_at_its_value_and_one_that_the_baseline_fixed() -> None:
+    """It is evaluated at the value that it had there, not at the nominal one."""
+    asked = against({"parameters": {"vehicle.m": 6.0, "avoider.d_0": 2.0}})
+    result = ran(context(fixed(asked, **{"vehicle.J": 0.04, "vehicle.m": 1.0}), flat))
+    assert result.cases[0].parameters == {"vehicle.m": 6.0, "vehicle.J": 0.04}
     assert result.cases[0].assumed == ["vehicle.J"]
     assert "; vehicle.J of F1 " in result.text
+
+
+@pytest.mark.parametrize(
+    ("values", "why"),
+    [
+        ({}, unknown("vehicle.J", "R-0001")),
+        ({"vehicle.J": 0.9}, outside("vehicle.J", 0.9, 0.04, 0.06)),
+    ],
+)
+def test_a_case_is_compared_only_at_all_its_values(values: dict[str, float], why: str) -> None:
+    """A baseline of an earlier version does not state them."""
+    asked = against({"parameters": {"vehicle.m": 6.0}})
+    for made in (fixed(asked, **values), *([] if values else [asked])):
+        (case,) = ran(context(made, flat)).cases
+        assert (case.index, case.cost) == (None, None)
+        assert case.reason == why
 
 
 def test_a_baseline_of_which_nothing_can_be_evaluated_says_so() -> None:

@@ -7,12 +7,15 @@ from typing import Any
 
 import pytest
 
+from campaigns import Campaign
+from campaigns.asked.load import load_document
+from campaigns.claims.stages.earlier_run import unknown_calls
 from campaigns.results.baselines import with_baseline
 from campaigns.results.finding import ClosestApproach
 from tests.given import verdict_evidence as given
-from tests.given.case_campaigns import campaign
+from tests.given.case_campaigns import campaign, document
 from worker.engine.stages import baseline
-from worker.evidence.audit import regression
+from worker.evidence.audit import limits, reevaluation
 
 NOISE: Any = [{"component": "sensor_noise"}]
 
@@ -35,8 +38,8 @@ def compared(before: Any, now: Any, time: float | None, random: bool = True, dra
     assert later.baseline is not None
     case = later.baseline.cases[0].model_copy(update={"realisation": drawn})
     seen = not [*baseline._unseen(later, case, random)]
-    run: Any = SimpleNamespace(campaign=later, random=["faults.0.seed"] if random else [])
-    assert regression._looked(run, case) == seen
+    run: Any = SimpleNamespace(campaign=later, random=["faults.0.seed"] if random else [], wording=limits.EACH)
+    assert reevaluation.looked(run, case) == seen
     return seen
 
 
@@ -72,3 +75,39 @@ def test_a_baseline_of_an_earlier_version_states_neither() -> None:
         update={"baseline": made.baseline.model_copy(update={"horizon": None, "realisations": None, "cases": [case]})}
     )
     assert not [*baseline._unseen(older, case, random=True)]
+
+
+QUANTILE: Any = {"count": 20, "combine": "quantile"}
+CALLS: dict[str, tuple[Any, Any, bool]] = {
+    "one call each": (None, None, True),
+    "as many": ({"count": 20}, {"count": 20}, True),
+    "more": ({"count": 20}, {"count": 40}, True),
+    "fewer": ({"count": 200}, {"count": 2}, False),
+    "one": ({"count": 2}, None, False),
+    "averaged": ({"count": 20}, {"count": 20, "combine": "mean"}, False),
+    "one, then averaged": (None, {"count": 5, "combine": "mean"}, False),
+    "averaged in both": ({"count": 5, "combine": "mean"}, {"count": 9, "combine": "mean"}, True),
+    "averaged before": ({"count": 5, "combine": "mean"}, {"count": 5}, True),
+    "another quantile": (QUANTILE | {"quantile": 0.1}, QUANTILE | {"quantile": 0.5}, False),
+    "the worst of fewer": ({"count": 20, "combine": "mean"}, {"count": 5}, False),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", CALLS)
+def test_by_the_calls_of_a_simulator(name: str) -> None:
+    then, now, seen = CALLS[name]
+    assert compared(simulated(then), simulated(now), None) is seen
+
+
+def simulated(repeats: Any) -> Campaign:
+    asked = document()
+    del asked["scenario"]
+    asked["simulator"] = {"name": "drop"} | ({"repeats": repeats} if repeats else {})
+    return load_document(asked | {"criterion": {"result": "d_min", "threshold": 0.5}})
+
+
+def test_of_a_simulator_the_calls_of_an_earlier_version_are_not_known() -> None:
+    made = with_baseline(simulated(None), "R-0001", simulated(None), [given.finding(0.4)])
+    assert made.baseline is not None
+    older = made.model_copy(update={"baseline": made.baseline.model_copy(update={"repeats": None})})
+    assert [*baseline._unseen(older, made.baseline.cases[0], False)] == [unknown_calls("R-0001")]

@@ -39,6 +39,7 @@ def asked(monkeypatch: pytest.MonkeyPatch) -> Iterator[Campaign]:
     document = noisy.campaign(6.55, certify=60).document()
     case = {"label": "F1", "parameters": {"simulator.a": 1.0, "simulator.b": 0.0}, "cost": 7.0}
     document["baseline"] = {"run": "R-0042", "digest": "0" * 64, "threshold": 6.55, "cases": [case]}
+    document["baseline"]["repeats"] = {"count": 1}
     document["regression"] = {"fail_on": ["worse"]}
     with adversary("nothing met"):
         yield load_document(document)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Any
 
 import pytest
@@ -16,6 +17,7 @@ from campaigns.results.regression import FindingChange, Regression, Standing
 from tests.audited import recorded
 from worker.engine.problem.problem import Problem
 from worker.engine.stages.parts import offered
+from worker.engine.stages.parts.repeated import of_values
 from worker.engine.systems.simulators.declared.function import Declaration, Output, Parameter, Settings
 from worker.evidence.audit import limits, record
 from worker.evidence.audit.judge import audit
@@ -132,12 +134,26 @@ def test_what_violates_in_calls_of_both_runs_is_the_same() -> None:
     assert not case.newly_violating
 
 
-@pytest.mark.parametrize(("gap", "standing"), [(repeating(0.55), Standing.FIXED), (called(0.55, 0.55), None)])
-def test_it_is_fixed_where_no_call_violates(gap: Gap, standing: Standing | None) -> None:
-    """Of a function that does not repeat, by independent calls in its basin: without any it is unresolved."""
-    made = ran(gap, baseline=ran(called(*CALLED)))
-    _, case = change(made)
-    assert case.standing is (standing or (Standing.UNRESOLVED if case.now is None else Standing.FIXED))
+@pytest.mark.parametrize("gap", [repeating(0.55), called(0.55, 0.55)])
+def test_it_is_fixed_where_no_call_violates(gap: Gap) -> None:
+    """Of a function that does not repeat, by independent calls of the case itself."""
+    _, case = change(ran(gap, baseline=ran(called(*CALLED))))
+    assert case.standing is Standing.FIXED
+
+
+def test_it_is_not_fixed_where_few_calls_violated_there() -> None:
+    """Of 10 calls 3 did: 10 clear ones here may be chance, and the usual policy fails."""
+    campaign, store = ran(called(*CALLED))
+    (first, *others) = store.findings
+    assert first.validation is not None
+    calls = first.validation.repeats
+    assert calls is not None
+    few = of_values([*calls.values[:3], *[0.55] * (len(calls.values) - 3)], [], 0.5, campaign.confidence)
+    assert few.violating in (2, 3)
+    rare = first.model_copy(update={"validation": first.validation.model_copy(update={"repeats": few})})
+    compared, case = change(ran(called(0.55, 0.55), baseline=(campaign, replace(store, findings=[rare, *others]))))
+    assert (case.standing, case.fails, compared.ok) == (Standing.UNRESOLVED, True, False)
+    assert f"; {few.violating} of 10 " in case.text
 
 
 def test_a_case_that_fails_twice_repeats() -> None:

@@ -37,6 +37,10 @@ class Left:
             count, 1 + self._taken("findings", count - 1, allowance.finding(self.campaign, self.noisy), self.room)
         )
 
+    def cases(self, count: int) -> int:
+        """How many of so many cases of the baseline that do not violate here are confirmed."""
+        return self._taken("cases", count, allowance.case(self.campaign, self.noisy), self.room)
+
     def violations(self, count: int, each: int) -> int:
         """How many of so many violations are simulated again; half of what is left goes to random evaluations."""
         return self._taken("violations", count, each, max(self.room - SPOT_CHECKS, self.room // 2))

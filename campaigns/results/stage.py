@@ -127,6 +127,17 @@ class StageResult(Result):
         return ()
 
     @property
+    def unconfirmed(self) -> bool:
+        """Whether a case or a random evaluation had another value when it made it again, or none."""
+        return False
+
+    @property
+    def later(self) -> Sequence[tuple[str, float | None]]:
+        """The flights, by name, that come closest after the horizon: closer than any evaluation, with their value
+        there, or how close is not known."""
+        return ()
+
+    @property
     def ended(self) -> Stop | None:
         """How its search ended; None if it has no rule of its own."""
         return None

@@ -339,3 +339,17 @@ class ValidateResult(StageResult, Described):
         cases = [self.nominal, *(best.validation for best in self.incumbents), *self.passing]
         spot = None if self.spot_checks is None else self.spot_checks.lowest_reference
         return [*(v for case in cases if case is not None for v in case.values), *([] if spot is None else [spot])]
+
+    @property
+    def unconfirmed(self) -> bool:
+        spot = self.spot_checks
+        return not self.ok or (spot is not None and (spot.violating > 0 or spot.compared < spot.checked))
+
+    @property
+    def later(self) -> list[tuple[str, float | None]]:
+        beyond = None if self.encounter is None else self.encounter.beyond
+        if beyond is None:
+            return []
+        closer = [beyond.lowest] if beyond.lowest is not None and beyond.closer else []
+        unknown = [beyond.unknown] if beyond.unknown is not None else []
+        return [*((each.name, each.value) for each in closer), *((each.name, None) for each in unknown)]

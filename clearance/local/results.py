@@ -12,6 +12,7 @@ import os
 import re
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager, suppress
+from itertools import zip_longest
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
@@ -24,9 +25,9 @@ from campaigns.cells import Writer
 from campaigns.checked.snapshot import snapshot, values_changed
 from campaigns.documents import digest_of
 from campaigns.refusals import RefusalCode
+from campaigns.results import StageResult
 from campaigns.results.base import OK, STATUS
 from campaigns.results.verdict import VerdictWord
-from campaigns.sample_seed import SampleSeed
 from campaigns.stages.found import stage_result
 from campaigns.stages.plan import plan
 from campaigns.stored.digest import Rows, evidence_digest
@@ -165,25 +166,24 @@ def read_folder(folder: Path) -> tuple[Campaign, MemoryStore]:
                 RefusalCode.NO_RUN,
             )
     campaign = load_file(folder / CAMPAIGN)
-    stages = [StageRecord(planned) for planned in plan(campaign)]
+    planned = plan(campaign)
     with _readable(f"{ARRAYS} in it"):
-        chunks = _read_bits(folder / ARRAYS, len(stages))
-    seed = _sample_seed(folder)
+        chunks = _read_bits(folder / ARRAYS, len(planned))
+    with _readable("its results"):
+        results = _results(folder)
+    stages = [StageRecord(stage, result=result) for stage, result in zip_longest(planned, results[: len(planned)])]
+    seeds = [result.sample_seed for result in results if result is not None]
+    seed = next((seed for seed in seeds if seed is not None), None)
     return campaign, MemoryStore(
         stages=stages, chunks={at: [columns] for at, columns in chunks.items()}, sample_seed=seed
     )
 
 
-def _sample_seed(folder: Path) -> SampleSeed | None:
-    """The seed of the independent sample; None in a folder of an earlier version, and without a sample."""
+def _results(folder: Path) -> list[StageResult | None]:
+    """The results of the stages; none in a folder of an earlier version."""
     file = folder / "evidence.json"
-    if not file.exists():
-        return None
-    with _readable("its results"):
-        results = json.loads(file.read_text(encoding="utf-8")).get("results", ())
-        found = [stage_result(result) for result in results if result and result.get("seed") is not None]
-        seeds = [result.sample_seed for result in found]
-    return next((seed for seed in seeds if seed is not None), None)
+    results = json.loads(file.read_text(encoding="utf-8")).get("results", ()) if file.exists() else ()
+    return [stage_result(result) if result else None for result in results]
 
 
 def versions_of(folder: Path) -> Versions:

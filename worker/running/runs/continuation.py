@@ -1,8 +1,8 @@
 """Extends a finished search: the new run replays the stored evaluations and simulates only the rest.
 
 A method is deterministic, so its first evaluations under the larger budget are bit-identical to the stored ones. Stages
-that depend on all earlier ones are computed again. Runs of other code are refused, and those that found a violation
-only in such stages: the new run could miss it.
+that depend on all earlier ones are computed again. Runs of other code are refused, and those that saw only in such
+stages what bars "cleared": the new run could miss it.
 """
 
 from __future__ import annotations
@@ -22,6 +22,7 @@ from campaigns.claims.say import listed
 from campaigns.claims.spans import words
 from campaigns.identity.identity import differences, identity_of, simulator_of
 from campaigns.refusals import Refusal, RefusalCode
+from campaigns.results.finding import Finding
 from campaigns.sample_seed import SampleSeed
 from campaigns.stages.found import declared
 from campaigns.stages.plan import plan
@@ -30,7 +31,7 @@ from campaigns.versions import Versions, differing, other_code
 from worker.running.catalogue.installed import catalogue, methods
 from worker.running.opening import opened
 from worker.running.runs import identity
-from worker.running.runs.losses import MADE_AGAIN, Stored, lost, violations
+from worker.running.runs.losses import MADE_AGAIN, Stored, lost, unstored, violations
 from worker.running.runs.provenance import versions
 from worker.running.runs.store import MemoryStore
 
@@ -115,7 +116,7 @@ def carried(
     old: Campaign, new: Campaign, store: MemoryStore, ahead: bool = False, violated: bool = False
 ) -> dict[int, Columns]:
     """The stored evaluations by the position of the stage that replays them; raises `CannotContinue`,
-    `WouldLose` where other stages alone stored a violation or a failure.
+    `WouldLose` where other stages alone saw what bars "cleared".
 
     Not those of an estimate or of validation, which depend on all stages before them, unless the campaigns are the
     same. ahead: whether the new run begins also with those that an earlier one of their stage is missing for;
@@ -137,18 +138,14 @@ def carried(
         kinds -= {"certify"}
     found = {at: columns for at in range(len(stages)) if (columns := store.evaluations(at)) is not None}
     kept = {at: columns for at, columns in found.items() if stages[at][0] in kinds and len(columns.status)}
-    validated = any(declared()[stages[at][0]].of_findings for at in kept)
-    violated = not validated and (violated or any(value <= old.criterion.threshold for value in made_again(store)))
+    if not any(declared()[stages[at][0]].of_findings for at in kept):
+        violated = violated or any(value <= old.criterion.threshold for f in store.findings for value in _values(f))
     _refuse_to_lose(old, store, kept.keys() | _made_again(old, new, store), ahead, violated)
     return kept
 
 
-def made_again(store: MemoryStore) -> Iterator[float]:
-    """The values that were seen in evaluations made again to confirm others."""
-    for record in store.stages:
-        yield from () if record.result is None else record.result.made_again
-    for finding in store.findings:
-        yield from () if finding.validation is None else finding.validation.values
+def _values(finding: Finding) -> Iterator[float]:
+    yield from () if finding.validation is None else finding.validation.values
 
 
 def _made_again(old: Campaign, new: Campaign, store: MemoryStore) -> set[int]:
@@ -172,6 +169,10 @@ def _refuse_to_lose(old: Campaign, store: MemoryStore, kept: Collection[int], ah
         raise WouldLose(why)
     if violated and not any(violations(columns, threshold) for columns in again):
         raise WouldLose(MADE_AGAIN)
+    sampled = all(at in kept for at, record in enumerate(store.stages) if declared()[record.plan.kind].independent)
+    for at, record in enumerate(store.stages):
+        if at not in kept and (why := unstored(old, record.result, again, sampled)):
+            raise WouldLose(why)
 
 
 def same_sample(old: Campaign, new: Campaign) -> bool:

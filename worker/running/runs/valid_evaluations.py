@@ -15,7 +15,7 @@ from campaigns.stored.records import Ahead, Begun, Cited, Columns, StageRecord
 from campaigns.versions import OtherCode
 from worker.engine.stages.parts.store import Store
 from worker.running.runs import identity
-from worker.running.runs.losses import lost
+from worker.running.runs.losses import lost, unstored
 
 
 def valid(
@@ -24,8 +24,7 @@ def valid(
     """The sound evaluations of the run that this one continues, by the position of the stage, with those that an
     earlier one of the stage is missing for; none without such a run.
 
-    Raises `OtherCode` if other stages alone had found a violation or a failure: a worker that has their code replays
-    them.
+    Raises `OtherCode` if other stages alone saw what bars "cleared": a worker that has their code replays them.
     """
     cited = store.cited()
     if cited is None or unsound(identity_of(cited.begun.versions, simulator_of(campaign)), here):
@@ -36,7 +35,10 @@ def valid(
     made = {*found, *(range(same) if campaign.scenario is not None and store.sample_seed is not None else ())}
     parts = [*cited.evaluations.items(), *((at, ahead.columns) for at, ahead in cited.ahead.items() if at not in found)]
     others = [(cited.stages[at].plan, columns) for at, columns in parts if at not in made]
-    if why := lost(campaign.criterion.threshold, (columns for at, columns in parts if at in made), others):
+    again = [columns for at, columns in parts if at in made]
+    sampled = all(at in made for at, record in enumerate(cited.stages) if declared()[record.plan.kind].independent)
+    unseen = (unstored(campaign, s.result, again, sampled) for at, s in enumerate(cited.stages) if at not in made)
+    if why := lost(campaign.criterion.threshold, again, others) or next(filter(None, unseen), ""):
         raise OtherCode(f"of the run that it continues, {why}")
     return {at: (columns, cited.ahead.get(at)) for at, columns in found.items()}
 

@@ -6,10 +6,12 @@ Used by command line and API alike; the catalogue is data, so no physics is impo
 from __future__ import annotations
 
 import itertools
+import math
 import re
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 
 from campaigns.asked.criteria import criteria
+from campaigns.asked.distributions import Uncertain, Uniform
 from campaigns.asked.problem import MOST, Problem
 from campaigns.asked.spec import Campaign, Part
 from campaigns.asked.values import MAX_EVALUATIONS
@@ -31,11 +33,12 @@ from campaigns.checked import (
 )
 from campaigns.claims.numbers import interval
 from campaigns.limits import CONFIDENCE_AT_LEAST, STORED_WHOLE
+from campaigns.rules import REALISATIONS
 
 SEED = "seed"
 """The parameter of a random component that selects its realisation."""
-_SEEDS = re.compile(r"seeds?[_\d]*$", re.IGNORECASE)
-"""How the names of parameters end that select one: seed, noise_seed, randomSeed2."""
+_SEEDS = re.compile(r"(seeds?|random_?state|reali[sz]ations?|[._]rng)[_\d]*$", re.IGNORECASE)
+"""How the names of parameters end that select one: seed, noise_seed, randomSeed2, random_state."""
 RANDOM = ("environment", "fault")
 """The roles of components that may be random."""
 LISTED: dict[str, Role] = {"obstacles": "obstacle", "environment": "environment", "faults": "fault"}
@@ -116,12 +119,20 @@ def seeded(campaign: Campaign, catalogue: Catalogue) -> list[str]:
     return [f"{prefix}.{p.name}" for prefix, entry in random for p in entry.parameters if p.name == SEED]
 
 
-def unvaried(campaign: Campaign, paths: Iterable[str]) -> list[str]:
-    """Those of a campaign's parameters that select a realisation, are fixed, and that no realisations vary."""
-    seeds = (path for path in paths if _SEEDS.search(path))
+def unvaried(campaign: Campaign, nominal: Mapping[str, float]) -> list[str]:
+    """Those of a campaign's parameters, by path with their nominal values, that select a realisation, are not uniform
+    over many whole numbers, and that no realisations vary."""
+    seeds = (path for path in nominal if _SEEDS.search(path))
     varied = tuple(f"{name}." for name, role in LISTED.items() if role in RANDOM)
     realised = (path for path in seeds if not (path.startswith(varied) and path.endswith(f".{SEED}")))
-    return [path for path in realised if path not in campaign.uncertain]
+    return [path for path in realised if not _many(campaign.uncertain.get(path), nominal[path])]
+
+
+def _many(seed: Uncertain | None, nominal: float) -> bool:
+    if seed is None or not isinstance(seed.distribution, Uniform):
+        return False
+    low, high = seed.interval(nominal)
+    return math.floor(high) - math.ceil(low) + 1 >= REALISATIONS.value
 
 
 def _check(campaign: Campaign, catalogue: Catalogue) -> Iterator[Problem]:

@@ -25,10 +25,15 @@ MEAN = (
 )
 
 
-def one_realisation(paths: Sequence[str]) -> str:
-    """Why nothing is known of other noise where these seeds are fixed."""
-    verb, other = ("is", "it") if len(paths) == 1 else ("are", "them")
-    return f"{words(listed(paths))} {verb} fixed, which selects one realisation of the noise; make {other} uncertain"
+def one_realisation(campaign: Campaign, paths: Sequence[str]) -> str:
+    """Why nothing is known of other noise where these seeds are fixed or have few values."""
+    fixed = [path for path in paths if path not in campaign.uncertain]
+    many = f"uniform over at least {rules.REALISATIONS.value} whole numbers"
+    verb, other = ("is", "it") if len(fixed or paths) == 1 else ("are", "them")
+    if fixed:
+        why = f"{verb} fixed, which selects one realisation of the noise"
+        return f"{words(listed(fixed))} {why}; make {other} uncertain, {many}"
+    return f"{words(listed(paths))} {verb} not {many}, so that few realisations of the noise decide; widen the bounds"
 
 
 class Barred(NamedTuple):
@@ -94,8 +99,9 @@ def _witnesses(search: Search, entry: MethodEntry) -> list[frozenset[str]]:
 
 def _evaluations(campaign: Campaign, catalogue: Catalogue) -> Iterator[Barred]:
     """What an evaluation cannot show."""
-    if seeds := unvaried(campaign, parameters(campaign, catalogue)):
-        yield Barred(CheckCode.NOISE, one_realisation(seeds))
+    nominal = {path: value for path, (_, value) in parameters(campaign, catalogue).items()}
+    if seeds := unvaried(campaign, nominal):
+        yield Barred(CheckCode.NOISE, one_realisation(campaign, seeds))
     if (simulator := campaign.simulator) is not None:
         if simulator.calls > 1 and simulator.combine != "worst":
             why = f"a {simulator.combine} can hide a violation by one of the calls; set combine to worst"

@@ -15,7 +15,7 @@ MOVED, ABOVE_NOISE = 0.01, 10.0
 EXCLUDED, CEILING = 0.1, 0.05
 SAME_COST = 0.01
 SPOT_CHECKS, VIOLATIONS = 200, 200
-SAMPLE, SMALLEST = 59, 1e-12
+SAMPLE, SMALLEST, REALISATIONS = 59, 1e-12, 100
 SAME_PLACE = 0.05
 ORDER = (
     "nominal", "search", "no violation", "minimum", "agreement", "validation", "repetition", "resolution",
@@ -62,7 +62,7 @@ evaluations repeats; since which no fraction below 1 is written as 100 %."""
 NEAREST = 20
 """The version since which the lowest values have a grid of their own."""
 EACH = 21
-"""The version since which what a search excludes counts by itself, a fixed seed of any part bars, a large nominal value
+"""The version since which what a search excludes counts by itself, a seed of few values bars, a large nominal value
 is no scale of how sure a search is, and a few values that return often lie on a grid; since which a case of a baseline
 is fixed only if it was evaluated at all its values, with no fewer calls, and confirmed by other means."""
 BOTTOM, TOP, MANY = 0.1, 0.9, 100

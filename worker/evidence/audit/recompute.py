@@ -22,7 +22,7 @@ from campaigns.results.finding import HalfStep, ReferenceCost, Repeated, Validat
 from campaigns.results.sample import Blocks, Histogram, Noise, QuantileBound, Sample
 from campaigns.stages.plan import plan
 from campaigns.versions import Versions
-from worker.evidence.audit import counted, grids, limits
+from worker.evidence.audit import counted, grids, limits, seeds
 from worker.evidence.audit.binomial import cumulative, least, upper_bound
 from worker.evidence.audit.calls import Calls
 from worker.evidence.audit.distribution import Drawn
@@ -262,12 +262,6 @@ class Run:
         here = self.stage == k
         return self.points[here], self.raw[here], self.status[here]
 
-    def _fixed_seed(self, path: str) -> bool:
-        part, _, name = path.rpartition(".")
-        by_realisation = name == "seed" and part.startswith(("environment.", "faults."))
-        ends = name.lower().rstrip("_0123456789").endswith(("seed", "seeds"))
-        return ends and not by_realisation and path not in self.campaign.uncertain
-
     def describe(self) -> None:
         """Look up the run's parameters and methods in the catalogue, and select the sample for the probability."""
         components = self.claims["components"]
@@ -275,7 +269,8 @@ class Run:
         self.bounds = {path: u.interval(self.known[path][1]) for path, u in self.campaign.uncertain.items()}
         self.low, self.high = (np.array(ends) for ends in zip(*self.bounds.values(), strict=True))
         self.random = seeded(self.campaign, components)
-        self.fixed_seeds = [path for path in self.known if self.wording >= limits.EACH and self._fixed_seed(path)]
+        stated = [(path, self.campaign.uncertain.get(path), nominal) for path, (_, nominal) in self.known.items()]
+        self.fixed_seeds = [each[0] for each in stated if self.wording >= limits.EACH and seeds.fixed(*each)]
         self.quantity, self.unit = self._decides(components)
         self.installed = {method.name: method for method in components.methods}
         self.methods = {k: self.installed[self.plan[k].method] for k in self.searches}

@@ -63,8 +63,8 @@ def _outside(problem: Problem) -> list[Check]:
 
 def _noise(problem: Problem, evidence: Evidence) -> list[Check]:
     realised, code = problem.realisations, CheckCode.NOISE
-    if fixed := unvaried(problem.campaign, (p.path for p in problem.system.parameters)):
-        return [check(code, False, one_realisation(fixed))]
+    if few := unvaried(problem.campaign, {p.path: p.nominal for p in problem.system.parameters}):
+        return [check(code, False, one_realisation(problem.campaign, few))]
     if not realised.random:
         return []
     seeds = listed([str(seed) for seed in realised.seeds])

@@ -193,7 +193,8 @@ RULES = (
     Rule(
         CheckCode.RESOLUTION,
         "Resolution of the values",
-        "If all values lie on a grid, as those that a simulator rounds, the margin is not less than its step.",
+        "If the values, or the lowest of them, differ in steps, as those that a simulator rounds, the margin is not "
+        "less than the step.",
     ),
     Rule(CheckCode.EVALUATIONS, "Failed evaluations", "No evaluation failed."),
     Rule(

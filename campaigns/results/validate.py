@@ -139,8 +139,9 @@ class Spread(Result):
     """Whether all that have a cost are of one point, so that no effect of a parameter can be seen; omitted if they are
     not, and in results of earlier versions."""
     grid: Annotated[float, UNLESS_EMPTY] = 0.0
-    """The coarsest step of which all differences of these costs are multiples, as of values that a simulator rounds;
-    omitted if there is none, and in results of earlier versions."""
+    """The coarsest step of which all differences of these costs, or of the lowest, are multiples, as of values that a
+    simulator rounds; the difference of the two lowest where the lowest return often and have no such step; omitted if
+    there is none, and in results of earlier versions."""
 
 
 class Later(Result):

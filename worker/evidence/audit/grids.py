@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,20 +15,27 @@ OFTEN, EACH = 20, 5
 NEAREST = 100, 30, 10
 """Of so many of the lowest values the step counts."""
 EPSILON = 2.0**-52
+OWN = 0.999
+"""A step is that of the values if it is this fraction of a gap."""
 PARTS, CERTAIN = 100, 1024
 """Any other step is this part of the smallest gap at least, and so many times what is rounding."""
 
 
 def step(costs: NDArray[np.float64], any_step: bool, lowest: Sequence[int] = NEAREST, few: bool = True) -> float:
-    """0 without one, of fewer than `DISTINCT` values that do not return often, and of steps within their own rounding.
+    """0 without one, of fewer than `DISTINCT` values that do not return often, and of steps within their own rounding;
+    the lowest gap of values that return often and that no step of this size divides.
 
     any_step: whether steps other than decimal and binary ones count; lowest: of how many of the lowest values the step
-    of their own counts, if it is larger; few: whether fewer values count if they return often.
+    of their own counts, if it is larger; few: whether values count, fewer or on no grid, if they return often.
     """
     values, counts = np.unique(costs, return_counts=True)
     if len(values) < DISTINCT and not (few and _returning(values, counts)):
         return 0.0
-    return max(_of(some, any_step) for some in (values, *(values[:count] for count in lowest)))
+    found = max(_of(some, any_step) for some in (values, *(values[:count] for count in lowest)))
+    some, times = values[:DISTINCT], counts[:DISTINCT]
+    if not (few and _returning(some, times)) or (len(some) == DISTINCT and min(times) < EACH):
+        return found
+    return found if any(found >= OWN * (b - a) for a, b in pairwise(some)) else float(some[1] - some[0])
 
 
 def _returning(values: NDArray[np.float64], counts: NDArray[np.intp]) -> bool:

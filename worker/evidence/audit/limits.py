@@ -63,8 +63,8 @@ NEAREST = 20
 """The version since which the lowest values have a grid of their own."""
 EACH = 21
 """The version since which what a search excludes counts by itself, a seed of few values bars, a large nominal value
-is no scale of how sure a search is, and a few values that return often lie on a grid; since which a case of a baseline
-is fixed only if it was evaluated at all its values, with no fewer calls, and confirmed by other means."""
+is no scale of how sure a search is, and the lowest values that return often have a step; since which a case of a
+baseline is fixed only if it was evaluated at all its values, with no fewer calls, and confirmed by other means."""
 BOTTOM, TOP, MANY = 0.1, 0.9, 100
 """A nominal value is far above so many costs if none is between these fractions of its height."""
 CLEARING = max(ROUNDED, LOWEST, SHARED, AFTER, HALVED, WIDER, ALIKE, MEASURED, GRANTED, NEAREST, EACH)

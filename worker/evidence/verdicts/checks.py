@@ -120,13 +120,13 @@ def _validated(problem: Problem, evidence: Evidence) -> Check:
 
 
 def _resolution(problem: Problem, evidence: Evidence) -> Iterator[Check]:
-    """That the margin is less than the grid on which the lowest values lie; nothing otherwise."""
+    """That the margin is less than the step of the lowest values; nothing otherwise."""
     spread, unit = evidence.encounter.spread, problem.unit
     if spread.lowest is None or not 0 < spread.lowest - problem.threshold < spread.grid * (1 - ROUNDED):
         return
     margin = signed(spread.lowest - problem.threshold, unit, "margin")
     differ = say(
-        "the lowest values differ by multiples of ", number(spread.grid, unit, "grid"), ", and the margin is ", margin
+        "the lowest values differ in steps of ", number(spread.grid, unit, "grid"), ", and the margin is ", margin
     )
     why = "a rounded value may hide a violation; let the criterion return it unrounded"
     yield check(CheckCode.RESOLUTION, False, differ, ": ", why)

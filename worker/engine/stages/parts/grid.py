@@ -2,7 +2,8 @@
 
 Between two of its values nothing is known: a rounded value above the threshold may stand for one below. It is the grid
 of the lowest values that matters: significant digits are coarse where values are large, and a constant may be no
-multiple.
+multiple. Values that are rounded inside a formula, such as the depth of a whole number of pixels, are on no grid, but
+few, and return often; then the lowest gap is the step.
 """
 
 from __future__ import annotations
@@ -18,11 +19,13 @@ LOWEST = 100, 30, 10
 """So many of the lowest different values have a grid of their own: a few where higher ones have other digits."""
 DISTINCT, AGAIN, OFTEN = 5, 20, 5
 """Fewer different values lie on a grid by chance, unless each stands for so many values on average, and each of the two
-lowest for so many."""
+lowest for so many; so many of the lowest are rounded, on a grid or not, if each returns so often."""
 GRIDS = sorted({*(float(f"{m}e{k}") for k in range(-9, 4) for m in (1, 2, 2.5, 5)), *(2.0**-k for k in range(31))})
 """Decimal ones, and binary ones as of numbers in single precision."""
 PRECISION = 64 * float(np.finfo(float).eps)
 """Relative size of what is rounding of the values themselves."""
+GAP = 0.999
+"""A step below this fraction of the smallest gap divides the lowest values, but is not their own."""
 PARTS, SURE, DIGITS = 100, 1024, 12
 """Any other step is at least the smallest gap between two values divided by so many, and so many times what is rounding
 where it is compared; digits of it."""
@@ -30,11 +33,15 @@ where it is compared; digits of it."""
 
 def grid(costs: Floats) -> float:
     """The coarsest step of which all differences of these values are multiples, or those of the lowest of them, such as
-    a tenth of a foot [criterion's unit]; 0 if there is none."""
+    a tenth of a foot [criterion's unit]; the gap between the two lowest if these return often and have no step of their
+    own; 0 if there is none."""
     known, times = np.unique(costs, return_counts=True)
     if len(known) < DISTINCT and not _return(known, times):
         return 0.0
-    return max(_grid(some) for some in (known, *(known[:count] for count in LOWEST)))
+    step = max(_grid(some) for some in (known, *(known[:count] for count in LOWEST)))
+    gaps = np.diff(known[:DISTINCT])
+    rounded = _return(known[:DISTINCT], times[:DISTINCT]) and (len(known) < DISTINCT or times[:DISTINCT].min() >= OFTEN)
+    return float(gaps[0]) if rounded and step < GAP * gaps.min() else step
 
 
 def _return(known: Floats, times: NDArray[np.intp]) -> bool:

@@ -23,6 +23,8 @@ REPEATS = 10
 SAMPLE, SAMPLE_CLOSED_LOOP = 59, 300
 """The smallest independent sample that "cleared" rests on: without a violation it bounds P(violation) at 5 %, with a
 confidence of 95 %. Drawn where a campaign states none: so many of a simulator, and these of a closed loop (1 %)."""
+REALISATIONS = 100
+"""Over so many whole numbers at least a parameter that is a seed is to be uniform."""
 TURN = 0.7853981633974483
 """pi/4: what turns further within a step can be at the same place at every sample."""
 CONTINUED = 2

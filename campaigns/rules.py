@@ -61,7 +61,7 @@ ABOVE_NOISE = Limit(
 )
 EXCLUDED = Limit(0.1, "fraction of the draws, of a search, or of all evaluations, that may be excluded", CONVENTION)
 SAMPLE = Limit(limits.SAMPLE, "random samples, independent of every search", "bounds P(violation) at 5 %, at 95 %")
-REALISATIONS = Limit(100, "whole numbers over which a parameter that is a seed must be uniform", CONVENTION)
+REALISATIONS = Limit(limits.REALISATIONS, "whole numbers over which a seed must be uniform", CONVENTION)
 TURN = Limit(limits.TURN, "angle by which an obstacle may turn within a step [rad]: pi/4", "aliasing")
 CONTINUED = Limit(limits.CONTINUED, "multiple of the horizon to which flights are simulated on", CONVENTION)
 OTHERS = Limit(limits.OTHERS, "evaluations besides the independent sample that are simulated on, at most", EFFORT)

@@ -32,8 +32,7 @@ from campaigns.checked import (
     uncertainty,
 )
 from campaigns.claims.numbers import interval
-from campaigns.limits import CONFIDENCE_AT_LEAST, STORED_WHOLE
-from campaigns.rules import REALISATIONS
+from campaigns.limits import CONFIDENCE_AT_LEAST, REALISATIONS, STORED_WHOLE
 
 SEED = "seed"
 """The parameter of a random component that selects its realisation."""
@@ -132,7 +131,7 @@ def _many(seed: Uncertain | None, nominal: float) -> bool:
     if seed is None or not isinstance(seed.distribution, Uniform):
         return False
     low, high = seed.interval(nominal)
-    return math.floor(high) - math.ceil(low) + 1 >= REALISATIONS.value
+    return math.floor(high) - math.ceil(low) + 1 >= REALISATIONS
 
 
 def _check(campaign: Campaign, catalogue: Catalogue) -> Iterator[Problem]:

@@ -9,7 +9,6 @@ import pytest
 from campaigns import Campaign
 from campaigns.asked.load import load_document
 from campaigns.checked.check import unvaried
-from campaigns.checked.foreseen import one_realisation
 from worker.evidence.audit.seeds import fixed
 
 MANY: dict[str, Any] = {"low": 0.0, "high": 1000.0}
@@ -66,9 +65,3 @@ def test_what_realisations_vary_is_no_fixed_seed() -> None:
     assert not bars("environment.0.seed", None)
     assert bars("environment.0.random_state", None)
     assert bars("vehicle.seed", None)
-
-
-def test_the_sentence_names_what_is_fixed_first() -> None:
-    few = asked(seed={"low": 1.0, "high": 3.0})
-    assert "rng is fixed" in one_realisation(few, ["simulator.rng", "simulator.seed"])
-    assert "seed is not uniform" in one_realisation(few, ["simulator.seed"])

@@ -86,7 +86,8 @@ def _elsewhere(problem: Problem, case: BaselineCase) -> Iterator[str]:
     baseline = problem.campaign.baseline
     assert baseline is not None
     ranges, fixed = {r.path: r for r in problem.ranges}, baseline.fixed or {}
-    for path in [*ranges, *unvaried(problem.campaign, problem.paths.keys() - ranges.keys())]:
+    certain = {p.path: p.nominal for p in problem.system.parameters if p.path not in ranges}
+    for path in [*ranges, *unvaried(problem.campaign, certain)]:
         value, known = fixed.get(path), ranges.get(path)
         if path in case.parameters:
             continue

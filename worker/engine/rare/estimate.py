@@ -103,7 +103,7 @@ def estimated(
     seen = yield from evaluated(mixture.draws(random, allowed.left), allowed)
     seen, sample = (of.counted(inside(of.points)) for of in (seen, sample))
     weights = np.exp(-mixture.log_ratio(seen.points))
-    found = interval(weights, seen, sample, confidence, flat=not known.slopes.any(axis=1).all())
+    found = interval(weights, seen, sample, confidence)
     terms = np.where(seen.violates & (found.probability > 0.0), weights, 0.0)
     return Estimate(
         found,

@@ -11,8 +11,9 @@ from worker.engine.rare.evaluated import Evaluated, Floats
 WIDER = 1.25
 """Of the log-normal interval: the variance of skewed weights is estimated low whenever the mean is. On the problems for
 setting of `tests.bench.rare`, 95.4 % of the intervals without it hold where no mode is missing."""
-FLAT = 2.0
-"""The same where a mode has no slope, as with a criterion of two values: its most likely point is hardly known."""
+FLAT, RETURNS = 2.0, 0.1
+"""The same where so large a part of the violations has the value of others, as with a criterion of two values: without
+slopes the most likely point of a mode is hardly known."""
 
 
 @dataclass(frozen=True)
@@ -28,13 +29,15 @@ class Interval:
     variation: float
 
 
-def interval(weights: Floats, seen: Evaluated, sample: Evaluated, confidence: float, flat: bool = False) -> Interval:
+def interval(weights: Floats, seen: Evaluated, sample: Evaluated, confidence: float) -> Interval:
     """The interval of P from weighted draws; excluded ones are not in the population, which a nominal sample
-    measures. flat: whether a mode has no slope."""
+    measures."""
     from scipy import special
 
     kept = 1.0 - float(sample.excluded.mean())
     of_kept = (1.0 - kept) / max(kept * len(sample.points), 1e-300)
+    values = seen.margins[seen.violates]  # a failed evaluation has none, which is one value, too
+    flat = len(np.unique(values)) < (1.0 - RETURNS) * len(values)
     z = (FLAT if flat else WIDER) * float(special.ndtri((1.0 + confidence) / 2.0))
     high, wide = _mean(np.where(seen.violates, weights, 0.0), of_kept)
     low, narrow = _mean(np.where(seen.violates & ~seen.failed, weights, 0.0), of_kept)

@@ -28,7 +28,8 @@ STREAM, SAMPLED, FINAL = 2**25, 0.06, 0.33
 is counted."""
 NOMINAL, UNIT, LEAST_SHARE, COVARIANCE = 0.1, 0.15, 0.3, 1.2
 """Of the density: the parts of the nominal one and of unit covariance, the least of an even share, a factor."""
-WIDER, MOST = 1.25, 20
+WIDER, FLAT, RETURN, MOST = 1.25, 2.0, 0.1, 20
+"""Of the interval: its factors, the second where so many violations have the value of others; the most modes."""
 TOLERANCE = 1e-4
 """Relative: a point is stored to 1e-16 of a range, of which a tail of probability 1e-12 has four digits."""
 ERRORS = 5.0
@@ -128,7 +129,7 @@ def estimated(run: Run, k: int) -> Estimation:
     found = made(Estimation, outside=run.outside(), confidence=run.campaign.confidence, **REST)
     if stated.get("refused") is not None or not _known(run, k, run.wording < limits.VIOLATING):
         return _refused(run, k, found)
-    points, _, status = run.rows(k)
+    points, costs, status = run.rows(k)
     outside = _beyond(run, points)
     violates, budget = _violates(run, k) & ~outside, run.plan[k].planned
     count, drawn = int(SAMPLED * budget), _drawn(run, k).final
@@ -139,7 +140,10 @@ def estimated(run: Run, k: int) -> Estimation:
     weights, responsible = _weights(_draws(run, k), density)
     terms, kept = np.where(violates[last:], weights, 0.0), int(np.count_nonzero(status[own] != EXCLUDED))
     lost = (status != OK) & (status != EXCLUDED) & ~outside
-    interval = _interval(terms, np.where(lost[last:], 0.0, terms), (kept, count), run.campaign.confidence)
+    values = np.where(status == OK, costs, math.nan)[last:][violates[last:]]
+    flat = run.wording >= limits.EACH and len(np.unique(values)) < (1.0 - RETURN) * len(values)
+    factor = FLAT if flat else WIDER
+    interval = _interval(terms, np.where(lost[last:], 0.0, terms), (kept, count), run.campaign.confidence, factor)
     terms = terms if interval.probability else np.zeros_like(terms)
     sample = Sampled(int(np.count_nonzero(violates[own])), int(np.count_nonzero(lost[own])), kept)
     searched = {alarm["why"]: float(alarm["value"]) for alarm in stated["alarms"]}
@@ -236,10 +240,10 @@ class Interval(NamedTuple):
         return self._replace(low=self.low * (1.0 - outside), high=min(1.0, self.high + outside))
 
 
-def _interval(high: Any, low: Any, sample: tuple[int, int], confidence: float) -> Interval:
+def _interval(high: Any, low: Any, sample: tuple[int, int], confidence: float, factor: float) -> Interval:
     """The log-normal interval, wider by its factor, relative to what is not excluded."""
     kept, count = sample
-    share, z = kept / count, WIDER * NormalDist().inv_cdf((1.0 + confidence) / 2.0)
+    share, z = kept / count, factor * NormalDist().inv_cdf((1.0 + confidence) / 2.0)
     if not high.any() or not kept:
         return Interval(0.0, 0.0, 1.0, math.inf)
 

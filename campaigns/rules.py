@@ -66,6 +66,7 @@ TURN = Limit(limits.TURN, "angle by which an obstacle may turn within a step [ra
 CONTINUED = Limit(limits.CONTINUED, "multiple of the horizon to which flights are simulated on", CONVENTION)
 OTHERS = Limit(limits.OTHERS, "evaluations besides the independent sample that are simulated on, at most", EFFORT)
 DRAWS = Limit(limits.DRAWS, "draws for each requested sample, excluded ones included, at most", EFFORT)
+CHANCE = Limit(1 / limits.CHANCE, "probability at most that calls of two runs differ so by chance", CONVENTION)
 CEILING = Limit(0.05, "bound on P(violation) that a campaign without a target must meet", CONVENTION)
 CONFIDENCE = Limit(limits.CONFIDENCE, "confidence of the bounds", USUAL)
 CONFIDENCE_AT_LEAST = Limit(limits.CONFIDENCE_AT_LEAST, "the same at least, or a campaign is refused", CONVENTION)
@@ -221,7 +222,7 @@ RULES = (
         f"{CONTINUED.value:g} times the horizon, or until they fail, and extrapolated from there. An obstacle whose "
         "further motion is not known, because it has states or neither repeats its path nor ends it, is then at rest "
         "or moves away at a constant velocity. If the vehicle goes straight on for even longer, as far as it gets, it "
-        "does not come to the threshold, nor to its goal unless all obstacles outrun it.",
+        "does not come to the threshold, nor to its goal, where it may turn, unless every obstacle moves away faster.",
         ("validate",),
         RemedyKind.HORIZON,
         "The closest approach may be at the start or at the end of the horizon, and flights may come closer beyond it "
@@ -246,7 +247,7 @@ RULES = (
         "Effect of the parameters",
         "The criterion varies over the evaluations, by more than the noise of a simulator, and every fault and part of "
         "the environment changes a flight.",
-        intended="No uncertain parameter need change the criterion.",
+        intended="No uncertain parameter need change the criterion; a fault and a part of the environment must.",
     ),
     Rule(
         CheckCode.SAMPLING,

@@ -53,8 +53,9 @@ OTHERS: dict[str, set[float]] = {
 
 
 def numbers(path: Path) -> set[float]:
-    """Those in a file that are equal to a limit; small whole numbers mean too much else, and 1e-9 guards a rounding."""
-    limits = [limit.value for limit in LIMITS.values() if limit is not rules.AGREEMENT_ROUNDING]
+    """Those in a file that are equal to a limit; small whole numbers and 100 mean too much else, and 1e-9 guards a
+    rounding."""
+    limits = [limit.value for limit in LIMITS.values() if limit not in (rules.AGREEMENT_ROUNDING, rules.REALISATIONS)]
     known = {(type(n), n) for n in limits if isinstance(n, float) or n >= 25}
     constants = [n.value for n in ast.walk(ast.parse(path.read_text(encoding="utf-8"))) if isinstance(n, ast.Constant)]
     return {n for n in constants if (type(n), n) in known}

@@ -47,7 +47,7 @@ def encounter(problem: Problem, evidence: Evidence) -> list[Check]:
         reason = intended.get(code.replace(" ", "_"))
         if not ok and reason is not None and code == CheckCode.CLOSEST_APPROACH and not _permitted(problem, evidence):
             statement = say(statement, BEYOND_INTENT)
-        elif not ok and reason is not None:
+        elif not ok and reason is not None and not (code == CheckCode.INFLUENCE and evidence.encounter.idle):
             ok, statement = True, say(_without_advice(statement), INTENDED, reason)
         found.append(check(code, ok, statement))
     return found
@@ -264,13 +264,13 @@ def _ended(case: NominalCase | Unseen) -> str:
 
 def _influence(problem: Problem, evidence: Evidence) -> Condition:
     quantity, unit = symbol(problem.quantity), problem.unit
-    by = varies(evidence, problem.threshold)
-    if not by:
-        return False, _no_effect(problem, evidence)
     if never := [path for path, (first, _) in evidence.encounter.begins.items() if first >= _horizon(problem)]:
         return False, _never(problem, never[0], *evidence.encounter.begins[never[0]])
     if evidence.encounter.idle:
         return False, _idle(problem, evidence.encounter.idle)
+    by = varies(evidence, problem.threshold)
+    if not by:
+        return False, _no_effect(problem, evidence)
     measured = evidence.nominal.measured
     if measured is not None and measured.deviation and by <= rules.ABOVE_NOISE.value * measured.deviation:
         noise = number(measured.deviation, unit, "deviation")

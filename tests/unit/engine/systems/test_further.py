@@ -329,15 +329,27 @@ def test_a_vehicle_that_comes_to_rest_at_its_goal_gets_no_farther() -> None:
     assert met(travelling(obstacle("circle", 4.0, 3.0))).unknown is None
 
 
+@pytest.mark.usefixtures("own")
 @pytest.mark.parametrize(("speed", "known"), [(0.5, False), (3.0, True)])
 def test_what_outruns_a_vehicle_under_way_to_its_goal_is_not_met(speed: float, known: bool) -> None:
     here, velocity = steadily()
-    drift = -speed * velocity
-    away = {"position": place(*(here - 300.0 * velocity)), "goal": place(*(here + 1e5 * drift)), "radius": 0.3}
-    away |= {"speed": float(np.linalg.norm(drift))}
-    alone = [{"component": "moving_circle", "parameters": away}]
-    found = met(travelling(scenario__obstacles=alone, scenario__avoider=STEADILY))
+    begin, goal = here - 300.0 * velocity, here - 1e5 * velocity
+    away = {"position": place(*begin), "goal": place(*goal), "speed": speed * float(np.linalg.norm(velocity))}
+    own = {"component": "own", "parameters": away | {"clearance": 0.0, "radius": 0.3}}
+    found = met(travelling(scenario__obstacles=[own], scenario__avoider=STEADILY))
     assert (found.unknown is None) == known
+
+
+@pytest.mark.parametrize("component", ["orbiting_circle", "moving_circle"])
+def test_what_circles_or_comes_to_its_end_outruns_no_vehicle_under_way_to_its_goal(component: str) -> None:
+    fast = 3.0 * float(np.linalg.norm(steadily()[1]))
+    given = {
+        "orbiting_circle": {"centre": place(700.0, 700.0), "way": 10.0, "phase": 1.0},
+        "moving_circle": {"position": place(650.0, 700.0), "goal": place(700.0, 750.0)},
+    }
+    parameters = given[component] | {"radius": 0.3, "speed": fast}
+    found = met(travelling({"component": component, "parameters": parameters}, scenario__avoider=STEADILY))
+    assert found.unknown is not None
 
 
 @pytest.mark.parametrize("seed", range(20))

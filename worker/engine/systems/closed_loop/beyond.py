@@ -171,6 +171,7 @@ def _extrapolated(flights: Flights, row: Floats, trace: Floats, last: int, below
         return remaining(flights, row, trace, last, max(halfway, 0))
 
     ahead = Ahead(flights, row, trace[last], seen, time, below, so_far)
+    ends: list[tuple[End, Motion, bool]] = []
     for i in range(len(flights.parts.obstacles)):
         closing = bool(seen.deciding[1, i] < seen.deciding[0, i])
         centres = np.concatenate([begun.centres[:1, i], before.centres[:, i], seen.centres[:, i]])
@@ -179,9 +180,13 @@ def _extrapolated(flights: Flights, row: Floats, trace: Floats, last: int, below
         end = End(flights, seen, i, last, ahead, below, further)
         found = [*_met(end, onward, moves, closing)]
         yield from found
-        if all(each.value > flights.threshold for each in found):
+        clear = all(each.value > flights.threshold for each in found)
+        if clear:
             yield from end.turning(onward, moves)
-            yield from end.arriving()
+        ends.append((end, moves, clear))
+    if all(clear for *_, clear in ends):  # else it is known that the threshold is reached, or may be
+        for end, moves, _ in ends:
+            yield from end.arriving(moves)
 
 
 def _met(end: End, onward: Onward, moves: Motion, closing: bool) -> Iterator[Approach]:

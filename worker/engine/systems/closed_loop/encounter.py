@@ -13,6 +13,7 @@ from campaigns.results.finding import ClosestApproach
 from campaigns.results.validate import Unseen
 from campaigns.stored.records import Trace
 from worker.engine.kernels.component import Environment, Fault
+from worker.engine.kernels.parameters import declared
 from worker.engine.kernels.reaches import sampled
 from worker.engine.systems.base import Floats, Shown
 from worker.engine.systems.closed_loop.distances import in_flights
@@ -22,6 +23,7 @@ from worker.engine.systems.closed_loop.trace import trace
 
 UNSEEN = FaultPart(component="blackout", parameters={"at": 0.0, "duration": 1e6})
 """No obstacle is ever seen: the avoider steers to the goal as if there were none."""
+SHIPPED = ("worker.engine.components.environment", "worker.engine.components.faults")
 COMPARED = 16, 100
 """Flights that are compared with and without a part that does not change the nominal one; the more only if needed."""
 
@@ -64,10 +66,27 @@ def idle(flights: Flights) -> dict[str, int]:
     found = {}
     for prefix, part in flights.parts.named.items():
         if isinstance(part, Fault | Environment):
-            usual = getattr(part.parameters, "_field_defaults", {}).items()
-            neutral = {at: float(value) for name, value in usual if (at := f"{prefix}.{name}") in flights.paths}
-            if not _changes(flights, neutral):
+            neutral = _neutral(flights, prefix, part)
+            if neutral is not None and not _changes(flights, neutral):
                 found[prefix] = 1 + sum(COMPARED)
+    return found
+
+
+def _neutral(flights: Flights, prefix: str, part: Fault | Environment) -> dict[str, float] | None:
+    """The default values of a part by path; None if it has others that are required, or is one of the operator's own
+    with its defaults, of which it is only agreed that they have no effect."""
+    found: dict[str, float] = {}
+    for parameter in declared(part.parameters):
+        if parameter.default is None:
+            return None
+        found[f"{prefix}.{parameter.name}"] = parameter.default
+    usual = all(flights.nominal[flights.paths[path]] == value for path, value in found.items())
+    if (
+        usual
+        and not found.keys() & flights.campaign.uncertain.keys()
+        and not part.parameters.__module__.startswith(SHIPPED)
+    ):
+        return None
     return found
 
 

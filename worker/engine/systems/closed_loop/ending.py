@@ -139,16 +139,17 @@ class End(NamedTuple):
         distance, after = turning(relative, self.own, further.turned, half, np.minimum(times, lasts), further.steady)
         yield from self._open(distance - self.extent, after, vehicle=True)
 
-    def arriving(self) -> Iterator[Approach]:
+    def arriving(self, moves: Motion) -> Iterator[Approach]:
         """What a vehicle under way to its goal comes to after that is not known, unless it slows down to come to rest
-        there: it may turn, and go anywhere that what moves straight on does not escape from."""
+        there: it may turn, and go anywhere. Only what moves straight on may escape."""
         further, own, i = self.further(), self.own, self.obstacle
         speed, way = float(np.linalg.norm(own)), self.seen.goal - self.seen.positions[1]
         if further.about > 0.0 or not way @ own > TOWARDS * float(np.linalg.norm(way)) * speed:
             return
         comes = float(way @ own) / speed**2
         if comes * PAST <= further.lasts:
-            drift = (self.seen.centres[1, i] - self.seen.centres[0, i]) / self.flights.step
+            straight = moves.kind == "straight"
+            drift = (self.seen.centres[1, i] - self.seen.centres[0, i]) / self.flights.step if straight else np.zeros(3)
             relative = self.seen.centres[1, i] - self.seen.positions[1] + comes * (drift - own)
             after = comes + reaching(relative, drift, speed)
             yield from (each._replace(goal=comes) for each in self._open(-self.extent, after, vehicle=True))

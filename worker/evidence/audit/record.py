@@ -17,6 +17,7 @@ import sqlalchemy as sa
 from campaigns import Campaign, CampaignError, Catalogue, load_file
 from campaigns.asked.load import load_document
 from campaigns.asked.regression import Baseline
+from campaigns.asked.scenario import Repeats
 from campaigns.checked.check import parameters
 from campaigns.checked.question import question
 from campaigns.claims.earlier import throughout
@@ -205,9 +206,7 @@ def _launched(
     stated = sorted([*(getattr(case, name) for name in names), case.called] for case in baseline.cases)
     stored = sorted([*(case[name] for name in names), _called(case, other["threshold"], written)] for case in cases)
     if written >= EACH:
-        calls = {case.label: case.calls and [case.calls.made, case.calls.low] for case in baseline.cases}
-        found["baseline.calls"] = (calls, {case["label"]: _calls(case, other["threshold"]) for case in cases})
-        found |= _fixed_there(rows, baseline, other)
+        found |= _there(rows, baseline, other, cases)
     return found | {
         "baseline.digest": (baseline.digest, other["campaign_digest"]),
         "baseline.threshold": (baseline.threshold, other["threshold"]),
@@ -215,12 +214,19 @@ def _launched(
     }
 
 
-def _fixed_there(rows: Callable[..., list[Any]], baseline: Baseline, other: Any) -> dict[str, tuple[Any, Any]]:
-    """The values that the campaign of the baseline's own run did not vary, and the calls of an evaluation there."""
+def _there(
+    rows: Callable[..., list[Any]], baseline: Baseline, other: Any, cases: list[Any]
+) -> dict[str, tuple[Any, Any]]:
+    """The values that the campaign of the baseline's own run did not vary, and the calls of its evaluations and
+    findings. One that an earlier version wrote states none of these."""
     there = load_document(rows("campaigns", "digest", digest=other["campaign_digest"])[0]["document"], baseline.run)
-    calls = None if there.simulator is None else [there.simulator.calls, there.simulator.combine]
-    then = baseline.repeats and [baseline.repeats.count, baseline.repeats.combine]
-    found: dict[str, tuple[Any, Any]] = {"baseline.repeats": (then, calls)}
+    found: dict[str, tuple[Any, Any]] = {}
+    if baseline.repeats is not None or there.simulator is None:
+        own = there.simulator and (there.simulator.repeats or Repeats(count=1))
+        calls = {case.label: case.calls and [case.calls.made, case.calls.low] for case in baseline.cases}
+        found["baseline.calls"] = (calls, {case["label"]: _calls(case, other["threshold"]) for case in cases})
+        then, now = (each and each.model_dump(mode="json") for each in (baseline.repeats, own))
+        found["baseline.repeats"] = (then, now)
     snapshots = rows("catalogue_snapshots", "digest", digest=other["snapshot"]) if other.get("snapshot") else []
     if baseline.fixed is not None and snapshots:
         known = parameters(there, Catalogue.model_validate(snapshots[0]["document"]))

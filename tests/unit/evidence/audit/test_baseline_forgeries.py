@@ -10,18 +10,25 @@ from typing import Any
 import pytest
 import sqlalchemy as sa
 
+from backend.db import baselines
 from backend.db.digest import EVIDENCE, current_digest
 from backend.db.engine import connect, default_url
+from backend.db.queue import submit
 from backend.db.tables import Finding, Run, RunBaseline
+from campaigns import Campaign
+from campaigns.asked.load import load_document
 from campaigns.claims import wording
 from campaigns.claims.spans import words
 from campaigns.results.baselines import with_baseline
 from campaigns.results.regression import Standing
 from tests.audited import audited, recorded
 from tests.given.at_night import nightly_but
-from tests.given.corrupted_records import Folder, enter, ran, since, stored, written
+from tests.given.corrupted_records import Folder, called, enter, ran, since, stored, written
 from tests.given.forgeries import accepted, changed, leaves, trusted
+from tests.migrated import migrated
+from tests.simulators.adversaries import adversary
 from worker.engine.stages.parts import offered
+from worker.evidence.audit import limits, record
 from worker.evidence.audit.judge import audit, closing
 from worker.evidence.audit.record import UnreadableError, of_database
 from worker.evidence.audit.sentences import SPANS
@@ -152,8 +159,8 @@ def follows(database: sa.Engine) -> bool:
         summary = writer.scalar(sa.select(Run.summary).where(Run.id == 2))
         summary["provenance"][EVIDENCE] = current_digest(writer, 2)
         writer.execute(sa.update(Run).where(Run.id == 2).values(summary=summary))
-    record = recorded(database, run_id=2)
-    return closing(audit(record, known(record), offered.AT_MOST, offered.SPOT_CHECKS))[0]
+    found = recorded(database, run_id=2)
+    return closing(audit(found, known(found), offered.AT_MOST, offered.SPOT_CHECKS))[0]
 
 
 CHANGES: dict[str, Callable[[sa.Connection], object]] = {
@@ -194,3 +201,54 @@ def test_of_another_threshold_the_comparison_is_accepted(there: float, monkeypat
     audited(store, campaign)
     monkeypatch.setattr(wording, "WORDING", wording.WORDING + 1)
     audited(store, campaign, lacks={"words"})
+
+
+def of_a_simulator(folder: Path) -> tuple[sa.Engine, Campaign]:
+    """A database with a run of a simulator that does not repeat, and one that was launched with it as its baseline."""
+    engine, (campaign, earlier) = connect(migrated(folder)), called("violated")
+    with adversary():
+        enter(engine, campaign, earlier)
+        later = with_baseline(campaign, "R-0001", campaign, earlier.findings)
+        with engine.begin() as writer:
+            baselines.store(writer, submit(writer, later, name="b", tags=[], owner="", planned=1), "R-0001", 1)
+    return engine, later
+
+
+def earlier_version(baseline: Any) -> None:
+    baseline["repeats"] = None
+    for case in baseline["cases"]:
+        case["calls"] = None
+
+
+def more_calls(baseline: Any) -> None:
+    baseline["cases"][0]["calls"]["made"] += 1
+
+
+STATED: dict[str, tuple[Callable[[Any], object], set[str]]] = {
+    "as it is": (lambda baseline: None, set()),
+    "of an earlier version": (earlier_version, set()),
+    "fewer calls": (lambda baseline: baseline["repeats"].update(count=1), {"baseline.repeats"}),
+    "otherwise combined": (
+        lambda baseline: baseline["repeats"].update(combine="quantile", quantile=0.5),
+        {"baseline.repeats"},
+    ),
+    "more independent calls": (more_calls, {"baseline.calls"}),
+}
+
+
+def test_the_calls_of_a_baseline_are_those_of_its_run(tmp_path: Path) -> None:
+    """A baseline that an earlier version wrote states none: its findings are not compared."""
+    engine, later = of_a_simulator(tmp_path)
+    with engine.connect() as reader:
+        tables = sa.MetaData()
+
+        def rows(table: str, order: str, **of: Any) -> list[Any]:
+            found = sa.select(sa.Table(table, tables, autoload_with=reader)).filter_by(**of).order_by(sa.column(order))
+            return [dict(row) for row in reader.execute(found).mappings()]
+
+        for name, (change, wrong) in STATED.items():
+            document = later.document()
+            change(document["baseline"])
+            stated = record._launched(reader, rows, 2, load_document(document), limits.EACH)
+            assert {key for key, (then, now) in stated.items() if then != now} == wrong, name
+    engine.dispose()

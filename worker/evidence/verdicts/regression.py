@@ -20,7 +20,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from campaigns import rules
-from campaigns.asked.regression import Baseline, BaselineCase, Policy
+from campaigns.asked.regression import Baseline, BaselineCase, CallsThere, Policy
 from campaigns.claims.say import amount, count, finding, joined, limit, on_side, say, signed, symbol
 from campaigns.claims.spans import Spans
 from campaigns.codes import CheckCode
@@ -187,9 +187,18 @@ def _unconfirmed(problem: Problem, before: BaselineCase, known: CaseBasin | None
         return say(f"evaluated again it {'has no value' if lacks else 'differs by more than the tolerance'}")
     if case.repeats is None or before.calls is None or before.calls.differ(len(case.repeats.values), problem.threshold):
         return ()
-    few = sum(value <= problem.threshold for value in before.calls.low)
-    there = say(count(few, "violating_there"), " of ", amount(before.calls.made, "independent call", "calls_there"))
-    return say(there, " violated, of ", count(len(case.repeats.values), "calls"), " here none, which may be chance")
+    return _may_be_chance(problem, before.calls, len(case.repeats.values))
+
+
+def _may_be_chance(problem: Problem, there: CallsThere, here: int) -> Spans:
+    """Why so many calls of which none violates do not show that a violation is fixed."""
+    run = "" if problem.campaign.baseline is None else problem.campaign.baseline.run
+    few = sum(value <= problem.threshold for value in there.low)
+    violated = say(count(few, "violating_there"), " of ", amount(there.made, "independent call", "calls_there"))
+    if few:
+        return say(violated, f" of {run} violated and none of ", count(here, "calls"), " here, which may be chance")
+    again = f"run {run} again with a larger validate.repeats, or take a newer baseline"
+    return say(violated, f" of {run} violated, as here, so that calls cannot show whether it is fixed: {again}")
 
 
 def _own(problem: Problem, evidence: Evidence, before: BaselineCase, again: Reevaluated, basin: _Basin) -> _Basin:
@@ -295,7 +304,7 @@ def _described(
     by = "" if before.called is None else CALLED
     statement = say(is_, quantity, " = ", now, " on this model, ", was, " there", by)
     where = _where(problem, before, again, cost, standing, basin)
-    return say(statement, "; ", where, ", a change of ", signed(cost - before.stated, unit, "change"))
+    return say(statement, "; ", where, "; a change of ", signed(cost - before.stated, unit, "change"))
 
 
 def _where(

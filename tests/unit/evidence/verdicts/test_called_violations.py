@@ -141,19 +141,38 @@ def test_it_is_fixed_where_no_call_violates(gap: Gap) -> None:
     assert case.standing is Standing.FIXED
 
 
-def test_it_is_not_fixed_where_few_calls_violated_there() -> None:
-    """Of 10 calls 3 did: 10 clear ones here may be chance, and the usual policy fails."""
+def against_few(violating: int) -> tuple[FindingChange, int]:
+    """Against a baseline of which so many of 10 calls violated, and how many did by their own count."""
     campaign, store = ran(called(*CALLED))
     (first, *others) = store.findings
     assert first.validation is not None
     calls = first.validation.repeats
     assert calls is not None
-    few = of_values([*calls.values[:3], *[0.55] * (len(calls.values) - 3)], [], 0.5, campaign.confidence)
-    assert few.violating in (2, 3)
-    rare = first.model_copy(update={"validation": first.validation.model_copy(update={"repeats": few})})
+    few = of_values([*calls.values[:violating], *[0.55] * (10 - violating)], [], 0.5, campaign.confidence)
+    validation = first.validation.model_copy(update={"repeats": few})
+    lower = {} if violating else {"cost": 0.44}
+    rare = first.model_copy(update={"validation": validation, **lower})
     compared, case = change(ran(called(0.55, 0.55), baseline=(campaign, replace(store, findings=[rare, *others]))))
     assert (case.standing, case.fails, compared.ok) == (Standing.UNRESOLVED, True, False)
-    assert f"; {few.violating} of 10 " in case.text
+    return case, few.violating
+
+
+def test_it_is_not_fixed_where_few_calls_violated_there() -> None:
+    """Of 10 calls 3 did: 10 clear ones here may be chance, and the usual policy fails."""
+    case, few = against_few(3)
+    assert few in (2, 3)
+    assert f"; {few} of 10 " in case.text
+    assert "none of 10 here," in case.text
+    assert "chance; a change" in case.text, "the change is a clause of its own"
+
+
+def test_calls_do_not_show_that_what_no_call_showed_is_fixed() -> None:
+    """Only the evaluation of the search violated there; the sentence says what to do."""
+    case, few = against_few(0)
+    assert few == 0
+    assert "; 0 of 10 " in case.text
+    assert "chance" not in case.text
+    assert "validate.repeats" in case.text
 
 
 def test_a_case_that_fails_twice_repeats() -> None:

@@ -21,6 +21,7 @@ from campaigns.results.base import OK, STATUS
 from campaigns.results.stage import Reevaluated
 from campaigns.stages.baseline import BaselineResult
 from campaigns.stored.records import Columns
+from worker.engine.problem.distributions import Range
 from worker.engine.problem.problem import Problem
 from worker.engine.stages.parts.base import drive
 from worker.engine.stages.parts.context import Asking, Context, Seeded
@@ -69,10 +70,8 @@ def _unusable(problem: Problem, case: BaselineCase) -> str:
             fixed = float(problem.system.nominal[problem.paths[path]])
             if fixed != value:
                 found.append(earlier_run.certain(path, value, fixed))
-        else:
-            slack = ROUNDING * (known.high - known.low)
-            if not known.low - slack <= value <= known.high + slack:
-                found.append(earlier_run.outside(path, value, known.low, known.high))
+        elif not _within(known, value):
+            found.append(earlier_run.outside(path, value, known.low, known.high))
     found += _elsewhere(problem, case)
     random = bool(problem.realisations.random)
     if case.realisation is not None and not random:
@@ -97,8 +96,14 @@ def _elsewhere(problem: Problem, case: BaselineCase) -> Iterator[str]:
             here = float(problem.system.nominal[problem.paths[path]])
             if here != value:
                 yield earlier_run.other_seed(path, value, here)
-        elif not known.low <= value <= known.high:
+        elif not _within(known, value):
             yield earlier_run.outside(path, value, known.low, known.high)
+
+
+def _within(known: Range, value: float) -> bool:
+    """Whether a value is within bounds but for rounding; it is evaluated at the bound then."""
+    slack = ROUNDING * (known.high - known.low)
+    return known.low - slack <= value <= known.high + slack
 
 
 def _unseen(campaign: Campaign, case: BaselineCase, random: bool) -> Iterator[str]:

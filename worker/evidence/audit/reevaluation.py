@@ -14,6 +14,9 @@ from worker.evidence.audit import limits
 from worker.evidence.audit.parts import OMIT, REST, changed, made
 from worker.evidence.audit.recompute import Run
 
+SLACK = 1e-9
+"""The fraction of a range by which a value may be beyond its bounds."""
+
 
 def position(run: Run) -> int:
     """Where the plan has the stage that evaluates the findings of the baseline."""
@@ -63,8 +66,7 @@ def _possible(run: Run, case: BaselineCase) -> bool:
             return False
         if path not in run.bounds:
             return float(run.known[path][1]) == value
-        low, high = run.bounds[path]
-        return low <= value <= high
+        return _within(run, path, value)
 
     noise = case.realisation is None or bool(run.random)
     shown = noise and looked(run, case) and _stated(run, case)
@@ -81,9 +83,14 @@ def _stated(run: Run, case: BaselineCase) -> bool:
     seeds = [path for path in run.fixed_seeds if path not in run.bounds and path not in case.parameters]
     alike = all(values.get(path) == run.known[path][1] for path in seeds)
     return alike and all(
-        path in values and (path in case.parameters or low <= values[path] <= high)
-        for path, (low, high) in run.bounds.items()
+        path in values and (path in case.parameters or _within(run, path, values[path])) for path in run.bounds
     )
+
+
+def _within(run: Run, path: str, value: float) -> bool:
+    """Whether this campaign can have a value of what it varies: bounds may have been computed in another way."""
+    low, high = run.bounds[path]
+    return low - SLACK * (high - low) <= value <= high + SLACK * (high - low)
 
 
 def looked(run: Run, case: BaselineCase) -> bool:

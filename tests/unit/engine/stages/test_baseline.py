@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -37,7 +38,7 @@ from worker.engine.stages.parts.base import drive
 from worker.engine.stages.parts.context import Context
 from worker.engine.stages.parts.falls import not_compared
 from worker.engine.stages.parts.left import Left
-from worker.evidence.audit import judge
+from worker.evidence.audit import judge, limits, reevaluation
 from worker.running.catalogue.installed import catalogue
 from worker.running.runs.runner import execute
 
@@ -118,6 +119,25 @@ def test_a_case_is_compared_only_at_all_its_values(values: dict[str, float], why
         (case,) = ran(context(made, flat)).cases
         assert (case.index, case.cost) == (None, None)
         assert case.reason == why
+
+
+@pytest.mark.parametrize("beyond", [1e-11, 1e-3])
+def test_a_bound_that_was_computed_in_another_way_is_within(beyond: float) -> None:
+    """Of a value that the baseline varied and of one that it fixed: each is evaluated at the bound. The audit has the
+    same rule."""
+    high = {"vehicle.m": 6.0 * (1.0 + beyond), "vehicle.J": 0.06 * (1.0 + beyond)}
+    varied = fixed(against({"parameters": high}))
+    for asked in (varied, fixed(against({"parameters": {"vehicle.m": 6.0}}), **{"vehicle.J": high["vehicle.J"]})):
+        made = context(asked, flat)
+        (case,) = ran(made).cases
+        assert (case.parameters == CORNER) is (case.index is not None) is (beyond < 1e-9)
+        bounds = {"vehicle.m": (4.0, 6.0), "vehicle.J": (0.04, 0.06)}
+        run: Any = SimpleNamespace(
+            campaign=asked, bounds=bounds, known=dict.fromkeys(bounds, ("", 5.0)), fixed_seeds=[], random=[],
+            wording=limits.EACH,
+        )  # fmt: skip
+        assert asked.baseline is not None
+        assert reevaluation._possible(run, asked.baseline.cases[0]) is (case.index is not None)
 
 
 def test_a_baseline_of_which_nothing_can_be_evaluated_says_so() -> None:

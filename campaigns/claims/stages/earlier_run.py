@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import NamedTuple
 
+from campaigns.asked.scenario import Repeats
 from campaigns.claims.numbers import digits_of, interval, written
 from campaigns.claims.say import Part, amount, count, joined, say
 from campaigns.claims.spans import Spans
@@ -92,7 +93,12 @@ def unknown_calls(run: str) -> str:
     return f"how many calls an evaluation of {run} was is not known"
 
 
-def other_calls(before: tuple[int, str], now: tuple[int, str]) -> str:
+def other_calls(before: Repeats, now: Repeats) -> str:
     """An evaluation is fewer calls than there, or they are combined so that a rare violation does not count."""
-    then, here = (f"{calls} call{'' if calls == 1 else 's'}, combined by {combine}" for calls, combine in (before, now))
+    then, here = (_calls(each) for each in (before, now))
     return f"its evaluation was {then}; here it is {here}, which may not show what that did"
+
+
+def _calls(each: Repeats) -> str:
+    by = each.combine if each.quantile is None else f"{each.combine} {each.quantile:.9g}"
+    return f"{each.count} call{'' if each.count == 1 else 's'}, combined by {by}"

@@ -125,7 +125,7 @@ def _uncalled(baseline: Baseline, now: Repeats) -> Iterator[str]:
     if then is None:
         yield earlier_run.unknown_calls(baseline.run)
     elif not then.shown_by(now):
-        yield earlier_run.other_calls((then.count, then.combine), (now.count, now.combine))
+        yield earlier_run.other_calls(then, now)
 
 
 def _point(problem: Problem, case: BaselineCase) -> Floats:

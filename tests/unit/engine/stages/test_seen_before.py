@@ -99,6 +99,15 @@ def test_by_the_calls_of_a_simulator(name: str) -> None:
     assert compared(simulated(then), simulated(now), None) is seen
 
 
+def test_combined_otherwise_is_stated_with_what_differs() -> None:
+    made = with_baseline(
+        simulated(CALLS["another quantile"][1]), "R-0001", simulated(CALLS["another quantile"][0]), [given.finding(0.4)]
+    )
+    assert made.baseline is not None
+    (why,) = baseline._unseen(made, made.baseline.cases[0], False)
+    assert [why.count(each) for each in ("quantile 0.1;", "quantile 0.5,")] == [1, 1]
+
+
 def simulated(repeats: Any) -> Campaign:
     asked = document()
     del asked["scenario"]

@@ -175,11 +175,15 @@ def made_again_before(reader: sa.Connection, runs: Sequence[int]) -> dict[int, f
     found: dict[int, float] = {}
     for some in portions(runs):
         ended = sa.select(Stage.run_id, Stage.result).where(_confirmed(), Stage.run_id.in_(some))
-        for run_id, stored in reader.execute(ended).all():
-            cases = reader.scalars(sa.select(FindingRow.validation).where(FindingRow.run_id == run_id)).all()
+        results = reader.execute(ended).all()
+        cases: dict[int, list[Any]] = {run_id: [] for run_id, _ in results}
+        of = sa.select(FindingRow.run_id, FindingRow.validation).where(FindingRow.run_id.in_(cases))
+        for run_id, case in reader.execute(of) if cases else ():
+            cases[run_id].append(case)
+        for run_id, stored in results:
             with suppress(ValidationError):  # of another version, whose values are unknown here
                 result = as_result(stored)
-                confirmed = [None if case is None else Validation.model_validate(case) for case in cases]
+                confirmed = [None if case is None else Validation.model_validate(case) for case in cases[run_id]]
                 if result is not None and (values := _seen(result, confirmed)):
                     found[run_id] = min(values)
     return found

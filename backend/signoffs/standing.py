@@ -128,7 +128,8 @@ def signatures(reader: sa.Connection, run_ids: Collection[int], now: Present | N
     repeats, known = Repeats(reader), texts(reader, runs)
     newest = {run_id: repeats.newest(runs[run_id]) for run_id in concluded & runs.keys() & sources.keys()}
     now = present(reader, {row.campaign for row in runs.values()}) if now is None else now
-    speaking = against(reader, runs)
+    signed_campaigns = {row.campaign_digest for row in sources.values()}
+    speaking = against(reader, [run.id for run in runs.values() if run.campaign_digest in signed_campaigns])
     signed: dict[int, Signed] = {}
     for run_id, run in runs.items():
         own = [row for row in found if row.run_id == run_id]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from typing import Any
 
 import httpx
@@ -11,7 +11,9 @@ import pytest
 import sqlalchemy as sa
 import yaml
 
-from backend.db.tables import Run
+from backend.db.tables import Base, Finding, Run, Stage
+from backend.runs.violations import Found, against
+from backend.signoffs import standing
 from tests.given.reported_runs import finish_fully
 from tests.given.row_changes import changed
 from tests.given.service import Service
@@ -100,3 +102,52 @@ def test_a_list_of_runs_reads_no_row_of_each_for_it(service: Service, client: ht
         sign(client, ran(service, client, seed=seed))
         few = few or counted()
     assert counted() == few > 0
+
+
+def test_runs_of_earlier_versions_are_read_at_once(service: Service, client: httpx.Client) -> None:
+    """Such runs did not keep the lowest value of evaluations made again: it is read from their findings."""
+    run = ran(service, client)
+    with service.engine.begin() as writer:
+        writer.execute(sa.update(Run).values(made_again=None))
+    copied(service.engine, 2)
+    statements: list[str] = []
+    sa.event.listen(service.engine, "before_cursor_execute", lambda _c, _k, text, *_: statements.append(text))
+
+    def counted(address: str) -> int:
+        statements.clear()
+        assert client.get(f"{API}{address}").status_code == 200
+        return sum("findings" in one or "stages" in one for one in statements)
+
+    pages = (f"/runs/{run}", f"/runs/{run}/related", f"/runs/{run}/report.html")
+    few = [counted(page) for page in pages]
+    for other in range(3, 20):
+        copied(service.engine, other)
+    assert [counted(page) for page in pages] == few
+    assert min(few) > 0
+
+
+def test_a_list_compares_no_run_of_a_campaign_that_nobody_signed(
+    service: Service, client: httpx.Client, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    asked: list[int] = []
+
+    def noted(reader: sa.Connection, run_ids: Collection[int]) -> dict[int, list[Found]]:
+        asked.extend(run_ids)
+        return against(reader, run_ids)
+
+    monkeypatch.setattr(standing, "against", noted)
+    for seed in range(1, 4):
+        ran(service, client, seed=seed)
+    sign(client, "R-0002")
+    ran(service, client, seed=2)
+    assert client.get(f"{API}/reports").status_code == 200
+    assert set(asked) == {2, 4}
+
+
+def copied(engine: sa.Engine, to: int) -> None:
+    """Another run that did and found the same as the first."""
+    tables: dict[type[Base], str] = {Run: "id", Stage: "run_id", Finding: "run_id"}
+    with engine.begin() as writer:
+        for table, key in tables.items():
+            for row in writer.execute(sa.select(table.__table__).where(getattr(table, key) == 1)).mappings().all():
+                writer.execute(sa.insert(table).values(**{**row, key: to}))

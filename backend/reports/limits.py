@@ -55,7 +55,8 @@ def not_validated(record: Record) -> str:
     begun = _begun(record, "validate")
     if begun is None:
         return "No case was validated: the numbers of this report are not confirmed independently."
-    made = f"{numbers.count(begun.evaluations)} evaluation{'' if begun.evaluations == 1 else 's'} of it were made"
+    verb = "evaluation of it was" if begun.evaluations == 1 else "evaluations of it were"
+    made = f"{numbers.count(begun.evaluations)} {verb} made"
     return f"Validation is not finished: {made}. The numbers of this report are not confirmed independently."
 
 
@@ -64,10 +65,11 @@ def not_sampled(record: Record) -> Spans:
     begun = _begun(record, "certify")
     if begun is None or not begun.evaluations:
         return say(f"No independent random sample was simulated: {_NO_BOUND}")
-    drawn = f"{numbers.count(begun.evaluations)} of {numbers.count(begun.planned)} planned draws were simulated"
+    verb, which = ("was", "and") if begun.evaluations == 1 else ("were", "the lowest of which")
+    drawn = f"{numbers.count(begun.evaluations)} of {numbers.count(begun.planned)} planned draws {verb} simulated"
     lowest: Spans = ()
     if begun.best is not None and record.run.threshold is not None:
-        lowest = say(", the lowest of which has ", on_side(begun.best, record.run.threshold, record.run.unit))
+        lowest = say(f", {which} has ", on_side(begun.best, record.run.threshold, record.run.unit))
     return say(f"The independent sample is not finished: {drawn}", *lowest, f"; {_NO_BOUND}")
 
 

@@ -148,7 +148,7 @@ class StoredRun:
             return of_folder(self.place)
         try:
             with reading(self.place) as connection:
-                _this_schema(connection, self.sent or "the database")
+                _this_schema(connection, self.sent)
                 return of_database(connection, self.run_id)
         except Refusal:
             raise
@@ -161,15 +161,19 @@ class StoredRun:
             ) from None
 
 
-def _this_schema(connection: sa.Connection, whose: str) -> None:
+def _this_schema(connection: sa.Connection, sent: str) -> None:
+    """Refuses rows of another schema; sent: as of `StoredRun`."""
     stored = revision.stored(connection)
     if stored is None or stored == revision.newest():
         return
+    whose = sent or "the database"
     what = f"{whose} has schema {stored}, and this version reads {revision.newest()}; nothing was changed: "
-    if stored in revision.known():
-        what += "start its service once on a copy of the database, which migrates that, and name the copy with --data"
-    else:
+    if stored not in revision.known():
         what += "use the newer version"
+    elif sent:
+        what += "update that service, or use its version of Clearance"
+    else:
+        what += "start its service once on a copy of the database, which migrates that, and name the copy with --data"
     raise WrongInputError(what, RefusalCode.OTHER_SCHEMA)
 
 

@@ -8,12 +8,13 @@ import shutil
 from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 
 import httpx
 import pytest
 import sqlalchemy as sa
 
-from backend.db import labels
+from backend.db import labels, revision
 from backend.db.digest import results_digest
 from backend.db.engine import connect, default_url, read
 from backend.db.tables import Base, CampaignRow, EvaluationChunk, Run
@@ -27,7 +28,7 @@ from tests.given.at_night import nightly_but
 from tests.given.corrupted_records import stored
 from tests.given.databases import KINDS
 from tests.given.finished_runs import finish
-from tests.given.refused_commands import refused
+from tests.given.refused_commands import refusal, refused
 from tests.given.service import Service
 from tests.given.submissions import submit
 from worker.engine.stages.parts import offered
@@ -228,6 +229,20 @@ def test_a_record_that_is_none_is_a_sentence(
     assert refused(capsys, command, RUN, "--service", served.url) == RefusalCode.UNREADABLE
 
 
+@pytest.mark.parametrize("command", ["audit", "replay"])
+def test_a_record_of_another_schema_is_refused_with_what_can_be_done_about_its_service(
+    command: str, served: Service, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """There is no database here that could be migrated."""
+    for version, stated in ((sorted(revision.known())[-2], "update that service"), ("9999", "newer version")):
+        monkeypatch.setattr(record_sqlite3, "revision", SimpleNamespace(newest=lambda version=version: version))
+        assert invoke([command, RUN, "--service", served.url]) == WRONG_INPUT
+        error = capsys.readouterr().err
+        assert refusal(error) == RefusalCode.OTHER_SCHEMA
+        assert f"{served.url} has schema {version}" in error
+        assert (stated in error, "--data" in error) == (True, False)
+
+
 @pytest.mark.parametrize("database", [KINDS[0], pytest.param(KINDS[1], marks=pytest.mark.nightly)], indirect=True)
 def test_the_record_has_all_results_and_nothing_else(service: Service, client: httpx.Client, tmp_path: Path) -> None:
     for name in ("One", "Two"):
@@ -259,7 +274,7 @@ def test_the_files_of_a_job_name_the_stored_run_that_extends_another_one(
     files = {name: tmp_path / name for name in ("junit", "summary", "sarif")}
     wanted = [part for name in files for part in (f"--{name}", str(files[name]))]
     onward = ["run", "--continue", RUN, "--budget", "+10", "--data", str(served.settings.data)]
-    places = {}
+    places: dict[str, str] = {}
     for command in ([*onward, "--out", "extended"], ["follow", "R-0002"]):
         code, output = printed(capsys, *command, *wanted)
         assert code in CODES.values()

@@ -61,7 +61,8 @@ it('shows no margin without the evaluations that have none', () => {
   expect(cell('margin', RUN).replaceAll('\u202f', ' ')).toContain(statement)
   expect(cell('margin', RUN)).not.toContain('--ok-solid')
   expect(text(figures(whole))).not.toContain('no margin')
-  expect(cell('margin', whole)).toContain('--ok-solid')
+  expect(cell('margin', whole)).toContain('--unk-solid')
+  expect(cell('margin', { ...whole, verdict: 'cleared' })).toContain('--ok-solid')
 })
 
 /** What a bound rests on in words, where its seed was not drawn at the launch. */

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -41,19 +40,14 @@ def required_checks(run: Run, agreed: bool) -> dict[str, bool]:
     intended = {name.replace("_", " ") for name in run.campaign.encounter.intended}  # as stated by the author
     if {"closest approach"} <= intended & checks.keys() and not _permitted(run):
         intended -= {"closest approach"}
-    if _encountered(run).get("idle"):
+    if (results[-1].get("encounter") or {}).get("idle"):
         intended -= {"influence"}
     return {name: holds or name in intended for name, holds in checks.items()} | _probability(run)
 
 
-def _encountered(run: Run) -> Mapping[str, Any]:
-    found: Mapping[str, Any] = run.claims["results"][-1].get("encounter") or {}
-    return found
-
-
 def _never(run: Run) -> bool:
     """Whether a fault, or the environment, first changes after the end of every flight, or changes none."""
-    encounter = _encountered(run)
+    encounter = run.claims["results"][-1].get("encounter") or {}
     begins = (encounter.get("begins") or {}).values()
     return bool(encounter.get("idle")) or any(first >= run.campaign.given_scenario.horizon for first, _ in begins)
 

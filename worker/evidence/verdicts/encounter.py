@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 
 from campaigns import rules
-from campaigns.claims.say import Part, capital, case, count, limit, listed, number, on_side, say, symbol
+from campaigns.claims.say import capital, case, count, limit, listed, number, on_side, say, symbol
 from campaigns.claims.spans import Span, Spans, Text
 from campaigns.codes import CheckCode
 from campaigns.results.base import Status, ending
@@ -172,7 +172,7 @@ def _unknown(problem: Problem, beyond: Beyond, later: Later) -> Spans:
     known = say(number(until, "s", "known"), "" if later.until is None else ", when the flight fails")
     if later.goal is not None:
         comes = say(" comes another ", number(later.goal, "s", "goal", 4), " after ", known)
-        return say("it is not known how the vehicle moves on from its goal, to which ", _named(later), comes)
+        return say("it is not known how the vehicle moves on from its goal, to which ", case(later.name), comes)
     quantity, value = symbol(problem.quantity), _value(problem, later)
     straight = not later.vehicle and later.closing > 0
     moves = "the vehicle moves on" if later.vehicle else f"{_obstacle(problem, later)} moves"
@@ -188,13 +188,9 @@ def _there(problem: Problem, later: Later) -> Spans:
     """The words for the position of an obstacle at the last sample of a flight, and its closing speed."""
     moves = ", closing at " if later.closing > 0 else ", moving away at "
     return say(
-        *(_named(later), " is ", number(later.distance, "m", "distance", 4), " from ", _obstacle(problem, later)),
+        *(case(later.name), " is ", number(later.distance, "m", "distance", 4), " from ", _obstacle(problem, later)),
         *(" at the last sample", moves, number(abs(later.closing), "m/s", "closing", 4)),
     )
-
-
-def _named(later: Later) -> Part:
-    return case(later.name) if later.name == "nominal" or later.name.startswith("F") else later.name
 
 
 def _obstacle(problem: Problem, later: Later) -> str:

@@ -238,7 +238,7 @@ def test_a_chance_by_the_coefficients_of_an_earlier_version_is_accepted(tmp_path
 
 
 @pytest.mark.by_day(3)
-@pytest.mark.parametrize("count", [2, pytest.param(2000, marks=[pytest.mark.nightly, pytest.mark.timeout(3600)])])
+@pytest.mark.parametrize("count", [2, pytest.param(300, marks=[pytest.mark.nightly, pytest.mark.timeout(1200)])])
 @pytest.mark.parametrize(
     "name", ["cleared", "violated", "inconclusive", "noisy", "excluded", "alone", "counted", "estimated", "attracted"]
 )

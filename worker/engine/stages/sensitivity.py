@@ -150,14 +150,16 @@ def _no_variance(values: Floats, parameters: int) -> Spans | None:
     """Why there is no variance to split; None if there is. Its estimate has the values of the base sample alone."""
     if _constant(values):
         return sentences.NO_VARIANCE
-    base = np.concatenate([values[:: parameters + 2], values[parameters + 1 :: parameters + 2]])
+    first, *_, second = _designs(values, parameters)
+    base = np.concatenate([first, second])
     lost = _constant(base) or base.var() <= np.finfo(float).eps * values.var()
-    return sentences.few_decide(FEW, len(base)) if lost or _deciding(base) < FEW else None
+    few = lost or _alike(np.square(base - base.mean())) < FEW
+    return sentences.few_decide(FEW, len(base)) if few else None
 
 
-def _deciding(values: Floats) -> float:
-    """How many values alike would decide the variance as these do."""
-    return _alike(np.square(values - values.mean()))
+def _designs(values: Floats, parameters: int) -> Floats:
+    """The values of Saltelli's designs: the first sample, those with one parameter of the second, and the second."""
+    return values.reshape(-1, parameters + 2).T
 
 
 def _alike(parts: Floats) -> float:
@@ -168,10 +170,8 @@ def _alike(parts: Floats) -> float:
 
 def _without_few(found: Any, values: Floats) -> None:
     """Remove the intervals of indices that few evaluations decide: Saltelli et al. (2010), equations (b) and (f)."""
-    designs = len(found["ST"]) + 2
-    first, base = values[::designs], values[designs - 1 :: designs]
-    for k in range(designs - 2):
-        one = values[k + 1 :: designs]
+    first, *mixed, base = _designs(values, len(found["ST"]))
+    for k, one in enumerate(mixed):
         for name, parts in ("S1_conf", (base - values.mean()) * (one - first)), ("ST_conf", np.square(first - one)):
             if _alike(parts) < FEW:
                 found[name][k] = np.nan

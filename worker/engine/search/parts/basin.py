@@ -23,6 +23,7 @@ class Rules:
     `barrier` (in the cost's unit) between them; at most `at_most` are retained, and those of the candidates
     `followed` (by index). Those that are `alone` have nothing lower near: they may be of valleys of their own.
     Where a compass search still gains more than `rugged` (in the cost's unit), evolution strategies may follow.
+    Costs are the same that differ by less than `same`.
     Two minima at or below the `ceiling` are not merged if a point between them is above it."""
 
     distance: float
@@ -31,6 +32,7 @@ class Rules:
     followed: frozenset[int] = frozenset()
     alone: frozenset[int] = frozenset()
     rugged: float = 0.0
+    same: float = 0.0
     ceiling: float = np.inf
 
 

@@ -23,11 +23,12 @@ def compare(context: Context, findings: Sequence[Finding], found: Found, labels:
     each of its own minima."""
     searched = context.searched
     worst = min((f.cost for f in findings), default=None)
+    near_best = None if worst is None else worst + SAME_COST * spanned(context, worst)
     rows = []
     for at, columns in all_columns(context, list(searched)):
         result, near = searched[at], None
-        if worst is not None:
-            close = (columns.status == OK) & (columns.costs[:, 0] <= worst + SAME_COST * spanned(context, worst))
+        if near_best is not None:
+            close = (columns.status == OK) & (columns.costs[:, 0] <= near_best)
             near = int(np.argmax(close)) + 1 if close.any() else None
         best = result.best
         basin = None if best is None else _basin(found, at, best.cost, best.index, columns)

@@ -286,7 +286,8 @@ def _further(context: Context, position: int, found: Found, random: np.random.Ge
         return
     while True:
         worst, limit, known = found.basins[0].cost, _limit(context), [*found.basins, *ends]
-        rules, same = _rules(context, worst), worst + SAME_COST * spanned(context, worst)
+        rules = _rules(context, worst)
+        same = worst + rules.same
         room = _room(context, found)
         few = min(room // 10, _spare(context, found, found.basins) or room)  # without spare, evidence is short already
         fresh = yield from crossed(known, same, rules, few, random)
@@ -308,9 +309,8 @@ def _sharpened(context: Context, found: Found, random: np.random.Generator) -> P
     """Lower the worst cases that are nearly as low as the lowest with what their evidence leaves."""
     room = _spare(context, found, found.basins) // 2
     if room > 0:
-        worst = found.basins[0].cost
-        same = SAME_COST * spanned(context, worst)
-        yield from sharpened(found.basins, same, _rules(context, worst), room, random)
+        rules = _rules(context, found.basins[0].cost)
+        yield from sharpened(found.basins, rules.same, rules, room, random)
 
 
 def _spare(context: Context, found: Found, basins: Sequence[Basin]) -> int:
@@ -361,7 +361,7 @@ def _rules(context: Context, worst: float) -> Rules:
     request = context.campaign.stages.findings
     fall = spanned(context, worst)
     limits = between.distance(context), request.barrier * fall, request.at_most
-    return Rules(*limits, rugged=ROUNDING * fall, ceiling=between.ceiling(context))
+    return Rules(*limits, rugged=ROUNDING * fall, same=SAME_COST * fall, ceiling=between.ceiling(context))
 
 
 def _keep_the_worst(context: Context, found: Found) -> None:

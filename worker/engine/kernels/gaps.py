@@ -32,6 +32,9 @@ by iteration, or in single precision."""
 ROUNDING = 1e-13
 """And by this fraction of the coordinates."""
 
+POINT = 1e-9
+"""An obstacle that extends by less has no extent [m]."""
+
 
 class Overstated(NamedTuple):
     """Two places outside the obstacle with the gaps there [m]: the first gap is larger than the place is far away."""
@@ -52,8 +55,15 @@ def centre_of(body: Any, axes: int) -> tuple[float, ...]:
     return tuple(float(getattr(body, axis)) for axis in "xyz"[:axes])
 
 
-def overstated(gap: Gap, centre: Floats, extent: float) -> Overstated | None:
+def extent_of(gap: Gap, centre: Floats) -> float:
+    """How far an obstacle extends from its centre towards the origin, by its gap there [m]; 1 where that is nothing."""
+    extent = abs(float(np.linalg.norm(centre)) - gap(np.zeros(len(centre))))
+    return extent if POINT < extent < math.inf else 1.0
+
+
+def overstated(gap: Gap, centre: Floats) -> Overstated | None:
     """The first gap that is too large at places about an obstacle; None if there is none."""
+    extent = extent_of(gap, centre)
     for direction in _directions(len(centre)):
         for place, here in _nearer(gap, centre, direction, extent):
             apart = max(here, 1e-3 * extent)

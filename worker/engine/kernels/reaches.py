@@ -8,7 +8,8 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import suppress
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -31,6 +32,9 @@ DIRECTIONS = 16
 """In the plane; a point of the surface shows at least 98 % of its distance in one of them."""
 FOLLOWED, TURNS = 4, 2
 """From so many of the farthest, the direction is turned so often towards the point that is seen there."""
+UNKNOWN = ArithmeticError, ValueError, LookupError, AttributeError
+"""What a body raises where it is not known: a simulation that needs it fails. Without the trim from which it derives
+constants, it is known only in a run."""
 INSTANTS = 17
 CORNERS = 64
 INNER = 16
@@ -68,52 +72,42 @@ class Reaches:
             return None
         reach = declared_reach.times * math.hypot(*(values[name] for name in declared_reach.of))
         for time, there in states:
-            try:
-                p = self._constants(values)
-                begun = () if self._wake is None else tuple(map(float, self._wake(p)))
-                extent, rounding = self._extent(time, there or begun, p, reach)
-            # Not known there: a simulation that needs it fails. Without the trim that it derives constants from, it is
-            # known only in a run.
-            except (ArithmeticError, ValueError, LookupError, AttributeError):
-                continue
-            if extent > reach + SLACK * max(1e-3, reach) + rounding:
-                return Exceeded({q.name: values[q.name] for q in declared(obstacle.parameters)}, time, extent, reach)
+            with suppress(*UNKNOWN):
+                extent, rounding = self._extent(self._seen(values, time, there), reach)
+                if extent > reach + SLACK * max(1e-3, reach) + rounding:
+                    own = {q.name: values[q.name] for q in declared(obstacle.parameters)}
+                    return Exceeded(own, time, extent, reach)
         return None
 
     def overstated(self, values: Values, time: float, states: States = ()) -> Overstated | None:
         """The first gap that is larger than the distance to the surface with these values; None as for an excess."""
-        axes = self._obstacle.dimension
-        try:
-            p = self._constants(values)
-            there = states or (() if self._wake is None else tuple(map(float, self._wake(p))))
+        with suppress(*UNKNOWN):
+            body, axes = self._seen(values, time, states), self._obstacle.dimension
+            return overstated(lambda place: float(body(place).gap), np.array(centre_of(body((0.0,) * axes), axes)))
+        return None
 
-            def gap(place: Any) -> float:
-                return float(self._body(time, there, tuple(map(float, place)), p).gap)
-
-            middle = np.array(centre_of(self._body(time, there, (0.0,) * axes, p), axes))
-            extent = abs(float(np.linalg.norm(middle)) - gap(np.zeros(axes)))
-            return overstated(gap, middle, extent if 0.0 < extent < math.inf else 1.0)
-        except (ArithmeticError, ValueError, LookupError, AttributeError):
-            return None
-
-    def _constants(self, values: Values) -> Any:
+    def _seen(self, values: Values, time: float, states: States) -> Callable[[Iterable[float]], Any]:
+        """The body with these values, as it is seen from a place."""
         own = self._obstacle.parameters(*(float(values[q.name]) for q in declared(self._obstacle.parameters)))
-        derived = self._obstacle.derived
-        return own if derived is None or self._derive is None else derived.constants(*self._derive(own, self._trim))
+        derived, p = self._obstacle.derived, own
+        if derived is not None and self._derive is not None:
+            p = derived.constants(*self._derive(own, self._trim))
+        there = states or (() if self._wake is None else tuple(map(float, self._wake(p))))
+        return lambda place: self._body(time, there, tuple(map(float, place)), p)
 
-    def _extent(self, time: float, states: States, p: Any, reach: float) -> tuple[float, float]:
+    def _extent(self, body: Callable[[Iterable[float]], Any], reach: float) -> tuple[float, float]:
         """How far the surface extends from the centre, and the rounding of this [m]."""
         axes = self._obstacle.dimension
-        middle = centre_of(self._body(time, states, (0.0,) * axes, p), axes)
+        middle = centre_of(body((0.0,) * axes), axes)
         away = FAR * max(1.0, reach)
 
         def seen(direction: Sequence[float]) -> tuple[float, tuple[float, ...]]:
             q = tuple(m + away * d for m, d in zip(middle, direction, strict=True))
-            body = self._body(time, states, q, p)
-            centre = centre_of(body, axes)
-            normal = [float(getattr(body, f"n{axis}")) for axis in "xyz"[:axes]]
-            to = tuple(a - body.gap * n - c for a, n, c in zip(q, normal, centre, strict=True))
-            return math.dist(q, centre) - body.gap, to
+            shown = body(q)
+            centre = centre_of(shown, axes)
+            normal = [float(getattr(shown, f"n{axis}")) for axis in "xyz"[:axes]]
+            to = tuple(a - shown.gap * n - c for a, n, c in zip(q, normal, centre, strict=True))
+            return math.dist(q, centre) - shown.gap, to
 
         found = sorted((one for one in map(seen, self._directions) if one[0] == one[0]), reverse=True)[:FOLLOWED]
         farthest = max((extent for extent, _ in found), default=-math.inf)

@@ -56,7 +56,7 @@ def test_a_gap_that_is_too_large_is_found(name: str, scale: float) -> None:
     def placed(q: Floats) -> float:
         return scale * gap((q - centre) / scale)
 
-    found = overstated(placed, centre, scale)
+    found = overstated(placed, centre)
     assert found is not None
     assert found.gap == placed(found.place) > found.distance
     assert placed(found.elsewhere) > 0.0
@@ -75,7 +75,7 @@ RIGHT: dict[str, Callable[[Floats], float]] = {
 
 @pytest.mark.parametrize("name", RIGHT)
 def test_a_gap_that_is_not_too_large_outside_is_accepted(name: str) -> None:
-    assert overstated(RIGHT[name], np.array([3.0, -2.0]), 1.0) is None
+    assert overstated(RIGHT[name], np.array([3.0, -2.0])) is None
 
 
 @pytest.mark.parametrize("name", OBSTACLES)

@@ -159,11 +159,7 @@ class Ahead:
 
     def _body(self, obstacle: int, place: Floats, after: float = 0.0) -> Any:
         """An obstacle some time after the last sample, as seen from a place."""
-        states = self._loop.states
-        o = tuple(map(float, self._state[states.total - states.obstacles :]))
-        return self._loop.part("bodies")(self._time + after, o, tuple(map(float, place[: self._axes])), self._p)[
-            obstacle
-        ]
+        return self._loop.bodies(self._time + after, self._state, place[: self._axes], self._p)[obstacle]
 
     def _parameter(self, path: str) -> float:
         at = self._flights.paths.get(path)

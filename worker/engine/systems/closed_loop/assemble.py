@@ -149,6 +149,11 @@ class Loop:
             self._ahead(np.concatenate(start), begin, rate, first, each, seen)
         return seen
 
+    def bodies(self, time: float, state: Floats, place: Floats, p: tuple[float, ...]) -> Any:
+        """The obstacles at a time [s] with the loop's state, as seen from a place; p: the extended parameters."""
+        own = state[self.n_state - self.states.obstacles : self.n_state]
+        return self.part("bodies")(time, tuple(map(float, own)), tuple(map(float, place)), p)
+
     def part(self, name: str) -> Function:
         """A function of the generated module in plain Python: bodies, initial, guide, closed_loop, cost, ...
 

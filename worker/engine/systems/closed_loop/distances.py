@@ -9,12 +9,13 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Sequence
 from contextlib import suppress
+from functools import partial
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from campaigns.results.validate import Mismeasured
-from worker.engine.kernels.gaps import centre_of, overstated
+from worker.engine.kernels.gaps import Gap, centre_of, extent_of, overstated
 from worker.engine.kernels.layout import Parts
 from worker.engine.systems.base import Floats
 from worker.engine.systems.closed_loop.assemble import Loop
@@ -83,23 +84,22 @@ class _Compared:
 
     def differences(self) -> Iterator[Mismeasured]:
         for obstacle in range(self._count):
-            body = self._bodies(np.zeros(self._axes))[obstacle]
-            centre, gap = np.array(centre_of(body, self._axes)), float(body.gap)
-            extent = abs(float(np.linalg.norm(centre)) - gap)
-            extent = extent if math.isfinite(extent) and extent > SAME else 1.0
-            yield from self._overstated(obstacle, centre, extent)
-            for direction in DIRECTIONS if np.isfinite(centre).all() else ():
+            centre = np.array(centre_of(self._bodies(np.zeros(self._axes))[obstacle], self._axes))
+            if not np.isfinite(centre).all():
+                continue
+            gap = partial(self._gap, obstacle)
+            yield from self._overstated(obstacle, gap, centre)
+            extent = extent_of(gap, centre)
+            for direction in DIRECTIONS:
                 line = np.array(direction[: self._axes])
                 for half in EXTENTS:
                     yield from self._on(obstacle, centre - half * extent * line, half * extent * line)
 
-    def _overstated(self, obstacle: int, centre: Floats, extent: float) -> Iterator[Mismeasured]:
+    def _overstated(self, obstacle: int, gap: Gap, centre: Floats) -> Iterator[Mismeasured]:
         """That the gap of one that is not shipped is larger than the distance to its surface."""
-        if not self._surface or not self._own[obstacle] or not np.isfinite(centre).all():
-            return
         found = None
         with suppress(ArithmeticError, ValueError):  # it need not be known everywhere
-            found = overstated(lambda place: float(self._bodies(place)[obstacle].gap), centre, extent)
+            found = overstated(gap, centre) if self._surface and self._own[obstacle] else None
         if found is not None:
             yield Mismeasured(
                 obstacle=obstacle,
@@ -148,7 +148,7 @@ class _Compared:
         return min(math.dist(centre_of(body, self._axes), place) for body in bodies)
 
     def _bodies(self, place: Floats) -> Any:
-        """The obstacles as seen from a place."""
-        states, state = self._loop.states, self._instant.state
-        o = tuple(map(float, state[states.total - states.obstacles :]))
-        return self._loop.part("bodies")(self._instant.time, o, tuple(map(float, place)), self._p)
+        return self._loop.bodies(self._instant.time, self._instant.state, place, self._p)
+
+    def _gap(self, obstacle: int, place: Floats) -> float:
+        return float(self._bodies(place)[obstacle].gap)

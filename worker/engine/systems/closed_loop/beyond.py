@@ -20,12 +20,11 @@ from campaigns.results.validate import Beyond, Later
 from worker.engine.kernels import loop as closed_loop
 from worker.engine.systems.base import Floats, Stopping
 from worker.engine.systems.closed_loop.ahead import Ahead
-from worker.engine.systems.closed_loop.ending import Approach, End, by_value
+from worker.engine.systems.closed_loop.ending import Approach, End
 from worker.engine.systems.closed_loop.flights import Flights
 from worker.engine.systems.closed_loop.further import Remaining, remaining
-from worker.engine.systems.closed_loop.onward import Motion, Onward, motion
+from worker.engine.systems.closed_loop.onward import Onward
 from worker.engine.systems.closed_loop.trace import Seen
-from worker.engine.systems.closed_loop.uniform import uniform
 
 MEMORY = 2**23
 """The states of the flights that are simulated at a time may take this many bytes."""
@@ -68,23 +67,25 @@ def met(
     found = _continued(flights, rows, below, cancelled)
     if found is None:
         return None
-    lowest = [min((a for a in each.approaches if a.known), key=by_value, default=Approach()) for each in found]
-    open_ = [min((a for a in each.approaches if not a.known), key=by_value, default=Approach()) for each in found]
     return Beyond(
         times=CONTINUED,
         flights=len(rows),
         cut_short=sum(each.failed for each in found),
-        closer=sum(each.value < below for each in lowest),
-        lowest=_lowest(flights, called, rows, found, lowest),
-        unknown=_lowest(flights, called, rows, found, open_),
+        closer=sum(any(a.known and a.value < below for a in each.approaches) for each in found),
+        lowest=_lowest(flights, called, rows, found, known=True),
+        unknown=_lowest(flights, called, rows, found, known=False),
     )
 
 
 def _lowest(
-    flights: Flights, names: Sequence[str], rows: Floats, found: Sequence[Continued], each: Sequence[Approach]
+    flights: Flights, names: Sequence[str], rows: Floats, found: Sequence[Continued], known: bool
 ) -> Later | None:
-    k = int(np.argmin([approach.value for approach in each]))
-    return _later(flights, names[k], rows[k], found[k], each[k]) if math.isfinite(each[k].value) else None
+    every = [(k, a) for k, each in enumerate(found) for a in each.approaches if a.known == known]
+    finite = [each for each in every if math.isfinite(each[1].value)]
+    if not finite:
+        return None
+    k, lowest = min(finite, key=lambda each: each[1].value)
+    return _later(flights, names[k], rows[k], found[k], lowest)
 
 
 def _at_a_time(flights: Flights) -> int:
@@ -171,36 +172,21 @@ def _extrapolated(flights: Flights, row: Floats, trace: Floats, last: int, below
         return remaining(flights, row, trace, last, max(halfway, 0))
 
     ahead = Ahead(flights, row, trace[last], seen, time, below, so_far)
-    ends: list[tuple[End, Motion, bool]] = []
+    ends, clear = list[End](), True
     for i in range(len(flights.parts.obstacles)):
-        closing = bool(seen.deciding[1, i] < seen.deciding[0, i])
         centres = np.concatenate([begun.centres[:1, i], before.centres[:, i], seen.centres[:, i]])
         onward = Onward(flights, row, trace[last], time, i)
-        moves = motion(onward, centres, closing)
-        end = End(flights, seen, i, last, ahead, below, further)
-        found = [*_met(end, onward, moves, closing)]
+        ends.append(End(onward, centres, seen, last, ahead, below, further))
+        found = [*ends[-1].approaches()]
         yield from found
-        clear = all(each.value > flights.threshold for each in found)
-        if clear:
-            yield from end.turning(onward, moves)
-        ends.append((end, moves, clear))
-    if all(clear for *_, clear in ends):  # else it is known that the threshold is reached, or may be
-        for end, moves, _ in ends:
-            yield from end.arriving(moves)
-
-
-def _met(end: End, onward: Onward, moves: Motion, closing: bool) -> Iterator[Approach]:
-    """The approaches to one obstacle of a vehicle that stops or goes straight on."""
-    obstacle = end.flights.parts.obstacles[end.obstacle]
-    if moves.kind == "followed":
-        yield from end.followed(onward, moves)
-        return
-    if moves.kind == "straight" and obstacle.moving and not obstacle.states and not uniform(end.ahead, onward):
-        moves = Motion("unknown")
-    straight = [*(end.straight(closing) if closing or not obstacle.states else end.stopping())]
-    yield from straight
-    if moves.kind == "unknown":
-        yield min([end.here, *straight], key=by_value)._replace(known=False, vehicle=False)
+        # Else it is known that the threshold is reached, or may be.
+        if all(each.value > flights.threshold for each in found):
+            yield from ends[-1].turning()
+        else:
+            clear = False
+    if clear:
+        for end in ends:
+            yield from end.arriving()
 
 
 def _measures(flights: Flights) -> bool:

@@ -42,12 +42,19 @@ MOMENTS = 1000
 class Remaining(NamedTuple):
     """lasts: how long the vehicle goes on with the velocity of the last step to get as far as it will [s]; about: how
     far from its last place it may be later, where it keeps moving about that [m]; turned: the largest angle between its
-    last velocity and those in the last half horizon [rad]; steady: whether it turned as much in the latter half."""
+    last velocity and those in the last half horizon [rad], which is half [s]; steady: whether it turned as much in the
+    latter half of that."""
 
     lasts: float = 0.0
     about: float = 0.0
     turned: float = 0.0
     steady: bool = False
+    half: float = 0.0
+
+    def turns(self, horizon: float) -> float:
+        """How long it may turn on [s]: for some horizons, if it turned steadily until it has gone round."""
+        around = math.pi * _across(self.turned, self.half) if self.steady else 0.0
+        return min(self.lasts, max(GROWS * horizon, around))
 
 
 def remaining(flights: Flights, row: Floats, trace: Floats, last: int, halfway: int) -> Remaining:
@@ -76,10 +83,10 @@ def going(places: Floats, late: int, each: float) -> Remaining:
     turned, later = _turned(places[-1 - len(moved) :]), _turned(places[-1 - middle :])
     steady = turned >= STEADY[1] and later >= STEADY[0] * turned
     if not 0 < middle < end or not moved[0] > moved[middle] > moved[end]:
-        return Remaining(math.inf, turned=turned, steady=steady)
+        return Remaining(math.inf, turned=turned, steady=steady, half=len(moved) * each)
     # A speed that falls by the same fraction in every interval; by the smaller one of both halves, which gets farther.
     first, second = (math.log(moved[a] / moved[b]) / (b - a) for a, b in ((0, middle), (middle, end)))
-    return Remaining(each / min(first, second), turned=turned, steady=steady)
+    return Remaining(each / min(first, second), turned=turned, steady=steady, half=len(moved) * each)
 
 
 def _turned(places: Floats) -> float:
@@ -89,6 +96,11 @@ def _turned(places: Floats) -> float:
         return math.pi
     along = moved[lengths > 0.0] @ moved[-1] / (lengths[lengths > 0.0] * lengths[-1])
     return float(np.arccos(np.clip(along, -1.0, 1.0)).max())
+
+
+def _across(turned: float, half: float) -> float:
+    """In what time a vehicle that turned by an angle in a time would cross the circle on which it goes [s]."""
+    return 2.0 * half / turned
 
 
 def turning(
@@ -101,7 +113,7 @@ def turning(
     angles = np.arccos(np.clip(relative @ velocity / np.maximum(there * speed, 1e-300), -1.0, 1.0))
     aside = np.clip(angles - turned * (1.0 + times / half), 0.0, 0.5 * np.pi)
     # The nearest place of a sector: on its edge, at its tip or its rim.
-    farthest = speed * (np.minimum(times, 2.0 * half / turned) if steady else times)
+    farthest = speed * (np.minimum(times, _across(turned, half)) if steady else times)
     gone = np.clip(there * np.cos(aside), 0.0, farthest)
     found = np.sqrt(np.maximum(there**2 + gone**2 - 2.0 * there * gone * np.cos(aside), 0.0))
     k = int(np.argmin(found))

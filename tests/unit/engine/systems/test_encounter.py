@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Sequence
 from typing import Any
 
@@ -10,6 +11,7 @@ import pytest
 from campaigns import Campaign, library, load_file
 from campaigns.asked.load import load_document
 from campaigns.results.finding import ClosestApproach
+from tests.given.beyond_horizon import met, place, travelling, under_way
 from worker.engine.systems.base import Shown
 from worker.engine.systems.closed_loop import encounter
 from worker.engine.systems.closed_loop.trace import trace
@@ -106,6 +108,20 @@ def stuck(at: float, over: float = 0.0, **uncertain: Any) -> Campaign:
 )  # fmt: skip
 def test_what_begins_only_after_the_horizon_is_named(campaign: Campaign, begins: dict[str, Any]) -> None:
     assert encounter.late(opened.flights(campaign, compiled=False, lanes=1)) == begins
+
+
+def test_what_ends_only_after_the_horizon_is_simulated_to_its_end() -> None:
+    """A blackout from within the horizon hides an obstacle that the vehicle meets after it, unless it is over then."""
+    here, velocity = under_way()
+    ahead = {"component": "circle", "parameters": {"position": place(*(here - 2.0 * velocity)), "radius": 0.3}}
+
+    def lowest(lasts: float) -> float:
+        dark = {"component": "blackout", "parameters": {"at": 1.0, "duration": lasts}}
+        found = met(travelling(ahead, scenario__faults=[dark])).lowest
+        return found.value if found is not None and found.simulated else math.inf
+
+    assert lowest(5.0) > lowest(8.5) + 0.1
+    assert lowest(8.5) < -0.2
 
 
 def met_by(fault: dict[str, Any], environment: Sequence[dict[str, Any]] = (), **uncertain: Any) -> Campaign:

@@ -12,7 +12,8 @@ import pytest
 
 from clearance.testing.problems import Problem
 from tests.given.beyond_horizon import STEP, met, place, travelling, under_way
-from worker.engine.components.obstacles import cooperative_circle
+from worker.engine.components.obstacles import cooperative_circle, moving_circle
+from worker.engine.kernels.component import Rate
 from worker.engine.systems.closed_loop import further
 from worker.engine.systems.closed_loop.onward import Path
 from worker.engine.systems.closed_loop.parts import Installed
@@ -243,8 +244,12 @@ COOPERATIVE = components()["obstacle", "cooperative_circle"]
 def own(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> None:
     """An obstacle of one's own with states, `own`."""
     made = replace(COOPERATIVE, name="own", **({"reach": None} if request.param == "no reach" else {}))  # type: ignore[type-var]
+    install(made, cooperative_circle, monkeypatch)
+
+
+def install(made: Any, module: Any, monkeypatch: pytest.MonkeyPatch) -> None:
     described = catalogue()
-    entry = component_entry(made, cooperative_circle)
+    entry = component_entry(made, module)
     described = described.model_copy(update={"components": [*described.components, entry]})
     every = Installed(components() | {("obstacle", "own"): made}, described)
     monkeypatch.setattr(opened, "installed", lambda: every)
@@ -266,6 +271,24 @@ def test_what_moves_away_on_the_line_of_the_vehicle_may_stop_there() -> None:
     assert found.unknown is not None
     assert (found.unknown.obstacle, found.unknown.vehicle) == (1, None)
     assert found.unknown.value < 0.1
+
+
+@pytest.mark.parametrize(("passes", "unknown"), [(6.0, True), (-6.0, False)])
+def test_what_comes_straight_to_where_a_vehicle_that_slows_down_stands_is_not_known(
+    passes: float, unknown: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    straight = replace(moving_circle.component, name="own", rate=Rate(times=0.0))
+    install(straight, moving_circle, monkeypatch)
+    monkeypatch.setattr(further, "going", lambda *_: further.Remaining(3.0 * HORIZON, half=0.5 * HORIZON))
+    here, velocity = under_way()
+    stands, across = here + 3.0 * HORIZON * velocity, 4.0 * np.array([-velocity[1], velocity[0]])
+    begin = stands - (2.0 + passes) * HORIZON * across
+    given = {"position": place(*begin), "goal": place(*(begin + 4e3 * across)), "speed": float(np.linalg.norm(across))}
+    found = met(travelling({"component": "own", "parameters": given | {"radius": 0.3}}))
+    assert (found.unknown is not None) == unknown
+    if found.unknown is not None:
+        assert found.unknown.vehicle
+        assert found.unknown.time == pytest.approx((1.0 + passes) * HORIZON, rel=0.02)
 
 
 @pytest.mark.usefixtures("own")

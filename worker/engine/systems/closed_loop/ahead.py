@@ -16,7 +16,7 @@ import numpy as np
 from worker.engine.kernels.gaps import centre_of
 from worker.engine.systems.base import Floats
 from worker.engine.systems.closed_loop.flights import Flights
-from worker.engine.systems.closed_loop.trace import Seen
+from worker.engine.systems.closed_loop.trace import Seen, least_within
 
 LEAST, MOST = 64, 20_000
 """So many intervals a line has at least, and at most; in between, a horizon has as many as it has steps."""
@@ -72,7 +72,7 @@ class Ahead:
         self._inputs = seen.commands[-1, : len(flights.parts.vehicle.inputs)]
         self._first = flights.loop.channels.of["criterion"][0]
         self._p, self._now = flights.loop.extend(row), seen.channels[-1]
-        self._place = seen.positions[-1]
+        self._seen, self._place = seen, seen.positions[-1]
         self._sampled: dict[tuple[float | None, ...], Floats] = {}
 
     def lowest(self, obstacle: int, leg: Leg, drift: Floats | None = None) -> tuple[float, float]:
@@ -110,7 +110,7 @@ class Ahead:
         """The distance to an obstacle that the criterion declares to measure, at the last sample [m]."""
         body = self._body(obstacle, self._place)
         if self._flights.parts.criterion.measured_to == "surface":
-            return float(body.gap) - self._parameter("criterion.body_radius")
+            return float(body.gap) - self._seen.parameter("criterion.body_radius")
         return math.dist(centre_of(body, self._axes), self._place[: self._axes])
 
     @cached_property
@@ -121,7 +121,7 @@ class Ahead:
     def extent(self, obstacle: int) -> float | None:
         """What the criterion subtracts from the distance to an obstacle's centre, at most [m]; None if unknown."""
         surface = self._flights.parts.criterion.measured_to == "surface"
-        less = self._parameter("criterion.body_radius") if surface else 0.0
+        less = self._seen.parameter("criterion.body_radius") if surface else 0.0
         distance = self.declared(obstacle)
         here = self.value(obstacle, float(self._now[self._first + obstacle]))
         if not abs(here - distance) <= SAME * (1.0 + abs(distance)):
@@ -136,7 +136,7 @@ class Ahead:
         reach = self._flights.parts.obstacles[obstacle].reach
         if reach is None:
             return None
-        return reach.times * math.hypot(*(self._parameter(f"obstacles.{obstacle}.{name}") for name in reach.of))
+        return reach.times * math.hypot(*(self._seen.parameter(f"obstacles.{obstacle}.{name}") for name in reach.of))
 
     def away(self, place: Floats) -> float:
         """How far the vehicle is from a place at the last sample [m]."""
@@ -160,10 +160,6 @@ class Ahead:
     def _body(self, obstacle: int, place: Floats, after: float = 0.0) -> Any:
         """An obstacle some time after the last sample, as seen from a place."""
         return self._loop.bodies(self._time + after, self._state, place[: self._axes], self._p)[obstacle]
-
-    def _parameter(self, path: str) -> float:
-        at = self._flights.paths.get(path)
-        return 0.0 if at is None else float(self._row[at])
 
     def _along(self, line: _Line, first: float, each: float, count: int) -> Floats:
         """The channels at a number of instants."""
@@ -195,7 +191,7 @@ class Ahead:
         best = float(channel[k]), k * each
         if len(channel) < 2 or self._flights.parts.criterion.over == "steps":
             return best
-        least = _least(channel)
+        least = least_within(channel)
         if self.value(obstacle, float(least.min())) >= self._below:
             return best
         for begin in (int(i) * each for i in np.argsort(least, kind="stable")[:PLACES]):
@@ -207,11 +203,3 @@ class Ahead:
                 best = min(best, (float(inside[at]), begin + at * part))
                 begin, width = begin + min(max(at - 1, 0), PIECES - 2) * part, 2.0 * part
         return best
-
-
-def _least(channel: Floats) -> Floats:
-    """What a channel may fall to within each interval if it changes no faster than between the neighbours."""
-    change = np.pad(np.abs(np.diff(channel)), 1, mode="edge")
-    fastest = np.maximum(np.maximum(change[:-2], change[1:-1]), change[2:])
-    least: Floats = 0.5 * (channel[:-1] + channel[1:] - fastest)
-    return least

@@ -101,14 +101,8 @@ class _Compared:
         with suppress(ArithmeticError, ValueError):  # it need not be known everywhere
             found = overstated(gap, centre) if self._surface and self._own[obstacle] else None
         if found is not None:
-            yield Mismeasured(
-                obstacle=obstacle,
-                time=self._instant.time,
-                position=[*map(float, found.place)],
-                distance=found.distance - self._less,
-                value=found.gap - self._less,
-                overstated=True,
-            )
+            wrong = self._at(obstacle, found.place, found.distance - self._less, found.gap - self._less)
+            yield wrong.model_copy(update={"overstated": True})
 
     def _on(self, obstacle: int, begin: Floats, half: Floats) -> Iterator[Mismeasured]:
         """The differences at equal intervals of a line; half: the vector to its middle."""
@@ -120,13 +114,13 @@ class _Compared:
             slack = SAME * (1.0 + float(np.abs(place).max()) + abs(distance))
             value = next((v[k] for v in values if not abs(v[k] - distance) <= slack), None)
             if value is not None and math.isfinite(distance):
-                yield Mismeasured(
-                    obstacle=obstacle,
-                    time=self._instant.time,
-                    position=[*map(float, place)],
-                    distance=distance,
-                    value=value if math.isfinite(value) else None,
-                )
+                yield self._at(obstacle, place, distance, value if math.isfinite(value) else None)
+
+    def _at(self, obstacle: int, place: Floats, distance: float, value: float | None) -> Mismeasured:
+        position = [*map(float, place)]
+        return Mismeasured(
+            obstacle=obstacle, time=self._instant.time, position=position, distance=distance, value=value
+        )
 
     def _values(self, begin: Floats, half: Floats, velocity: Sequence[float]) -> list[float]:
         """The criterion's values on a line."""

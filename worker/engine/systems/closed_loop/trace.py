@@ -224,9 +224,7 @@ def _searched(flights: Flights, seen: Seen, case: SimulatedCase) -> tuple[int, i
     those in which an obstacle turns or stops.
     """
     channels = seen.deciding
-    change = np.pad(np.abs(np.diff(channels, axis=0)), ((1, 1), (0, 0)), mode="edge")
-    fastest = np.maximum(np.maximum(change[:-2], change[1:-1]), change[2:])
-    least = 0.5 * (channels[:-1] + channels[1:] - fastest)
+    least = least_within(channels)
     found = (np.inf, 0, 0, 0.0)
     places = [np.unravel_index(place, least.shape) for place in np.argsort(least, axis=None, kind="stable")[:PLACES]]
     for row, obstacle in (*((int(i), int(k)) for i, k in places), *_turned(flights, case, len(least))):
@@ -237,6 +235,15 @@ def _searched(flights: Flights, seen: Seen, case: SimulatedCase) -> tuple[int, i
         at = int(np.argmin(inside))
         found = min(found, (float(inside[at]), row, obstacle, at / PIECES))
     return found[1:]
+
+
+def least_within(channels: Floats) -> Floats:
+    """What channels (rows, ...) may fall to within each step if they change no faster than between the neighbours."""
+    change = np.abs(np.diff(channels, axis=0))
+    change = np.concatenate([change[:1], change, change[-1:]])
+    fastest = np.maximum(np.maximum(change[:-2], change[1:-1]), change[2:])
+    least: Floats = 0.5 * (channels[:-1] + channels[1:] - fastest)
+    return least
 
 
 def _turned(flights: Flights, case: SimulatedCase, steps: int) -> list[tuple[int, int]]:

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from functools import cache
+from functools import cache, partial
 from typing import NamedTuple, Self
 
 import numpy as np
@@ -22,7 +22,7 @@ from worker.engine.systems.base import Floats, Stopping
 from worker.engine.systems.closed_loop.ahead import Ahead
 from worker.engine.systems.closed_loop.ending import Approach, End
 from worker.engine.systems.closed_loop.flights import Flights
-from worker.engine.systems.closed_loop.further import Remaining, remaining
+from worker.engine.systems.closed_loop.further import remaining
 from worker.engine.systems.closed_loop.onward import Onward
 from worker.engine.systems.closed_loop.trace import Seen
 
@@ -167,10 +167,7 @@ def _extrapolated(flights: Flights, row: Floats, trace: Floats, last: int, below
         lowest: Floats = _seen(flights, row, trace, 0, last).channels.min(axis=0)
         return lowest
 
-    @cache
-    def further() -> Remaining:
-        return remaining(flights, row, trace, last, max(halfway, 0))
-
+    further = cache(partial(remaining, flights, row, trace, last, max(halfway, 0)))
     ahead = Ahead(flights, row, trace[last], seen, time, below, so_far)
     ends, clear = list[End](), True
     for i in range(len(flights.parts.obstacles)):

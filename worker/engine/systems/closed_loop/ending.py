@@ -78,6 +78,8 @@ class End:
         """Those that are closer than the last sample; and that it is not known what comes, if the obstacle may move on
         in another way than it is taken to."""
         here, found = self._here, [*self._reached()]
+        if self._closing and not here.known:
+            yield here
         start = here.value if self._bound is None else float(np.linalg.norm(self._relative)) - self._bound
         yield from (each for each in found if each.value < start or not (each.known and here.known))
         if not self._known:

@@ -3,6 +3,7 @@ and no point twice in a stage that never evaluates one twice."""
 
 from __future__ import annotations
 
+from collections import defaultdict
 from typing import Any
 
 import numpy as np
@@ -11,12 +12,10 @@ from campaigns import cube
 from campaigns.claims.stages import sample as templates
 from campaigns.results.base import OK
 from campaigns.results.sample import GridPoint, GridResult
-from worker.evidence.audit import attraction, counted, draw, estimate, limits
+from worker.evidence.audit import attraction, counted, draw, estimate
 from worker.evidence.audit.parts import OMIT, made
 from worker.evidence.audit.recompute import Run, counts
-
-SLACK = 1e-9
-"""Fraction of a range by which a case of the baseline may be beyond a bound, or differ by conversion of units."""
+from worker.evidence.audit.reevaluation import there
 
 
 def required(run: Run) -> dict[str, tuple[object, object]]:
@@ -89,20 +88,18 @@ def _grid(run: Run, k: int) -> tuple[int, int]:
 
 
 def _baseline(run: Run, k: int) -> tuple[int, int]:
-    """Every evaluation of the stage at the parameters of the baseline's finding that names it."""
-    baseline, found = run.campaign.baseline, 0
+    """Every evaluation of the stage at the values of all findings of the baseline that name it."""
+    baseline, named = run.campaign.baseline, defaultdict(list)
     assert baseline is not None
+    cases = {case.label: case for case in baseline.cases}
+    for stated in run.claims["results"][k]["cases"]:
+        named[stated["index"]].append(cases.get(stated["label"]))
     points = run.rows(k)[0]
-    fixed = (baseline.fixed if run.wording >= limits.EACH else None) or {}
-    cases = {case.label: case.parameters for case in baseline.cases}
-    rows = {case["index"]: cases.get(case["label"], {}) for case in run.claims["results"][k]["cases"]}
-    for row, point in enumerate(points):
-        at = run.values(point)
-        own = fixed | rows.get(row, {})
-        wanted = {path: own.get(path, run.known[path][1]) for path in at}
-        apart = np.abs(np.subtract([*at.values()], [*wanted.values()]))
-        found += row in rows and bool((apart <= SLACK * (run.high - run.low)).all())
-    return len(points), found
+    found = [
+        row in named and all(case is not None and there(run, case, point) for case in named[row])
+        for row, point in enumerate(points)
+    ]
+    return len(points), sum(found)
 
 
 def grid(run: Run, k: int) -> GridResult:

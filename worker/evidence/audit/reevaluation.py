@@ -4,6 +4,7 @@ evaluation of this campaign shows what one there did."""
 from __future__ import annotations
 
 import math
+from typing import Any
 
 from campaigns.asked.regression import BaselineCase
 from campaigns.claims.stages import earlier_run
@@ -15,7 +16,7 @@ from worker.evidence.audit.parts import OMIT, REST, changed, made
 from worker.evidence.audit.recompute import Run
 
 SLACK = 1e-9
-"""The fraction of a range by which a value may be beyond its bounds."""
+"""The fraction of a range by which a value may be beyond its bounds, or differ by conversion of units."""
 
 
 def position(run: Run) -> int:
@@ -56,6 +57,17 @@ def _evaluated(run: Run, case: BaselineCase, k: int | None) -> Reevaluated:
         status=dict(enumerate(STATUS)).get(int(status[k])), cost=float(costs[k]) if ok else math.nan,
         assumed=[path for path in run.bounds if path not in case.parameters], reason="" if ok else OMIT,
     )  # fmt: skip
+
+
+def there(run: Run, case: BaselineCase, point: Any) -> bool:
+    """Whether a point is at all values of a finding, those that the baseline did not vary included; before `EACH` these
+    were nominal. What is beyond a bound by rounding is evaluated at the bound."""
+    baseline, at = run.campaign.baseline, run.values(point)
+    here = {path: nominal for path, (_, nominal) in run.known.items()} | at
+    slack = dict.fromkeys(here, 0.0) | dict(zip(at, SLACK * (run.high - run.low), strict=True))
+    fixed = (baseline.fixed if baseline is not None and run.wording >= limits.EACH else None) or {}
+    wanted = {path: fixed.get(path, run.known[path][1]) for path in at} | case.parameters
+    return all(path in here and abs(here[path] - value) <= slack[path] for path, value in wanted.items())
 
 
 def _possible(run: Run, case: BaselineCase) -> bool:

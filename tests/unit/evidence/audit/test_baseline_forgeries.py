@@ -124,6 +124,40 @@ def test_a_forged_comparison_is_rejected(name: str, folder: Folder) -> None:
     assert not accepted(folder)
 
 
+def elsewhere(path: str) -> Callable[[Folder], None]:
+    """The evaluation of the second case as if it was made at another value, which its row states."""
+
+    def change(folder: Folder) -> None:
+        case, row = folder.evidence["results"][STAGE]["cases"][1], list(folder.campaign["uncertain"]).index(path)
+        folder.arrays[f"points_{STAGE}"][case["index"], row] += 1e-6
+        case["point"][row] += 1e-6
+
+    return change
+
+
+def withdrawn(folder: Folder) -> None:
+    """The evaluation of the first case, which violates: its row names that of the second case."""
+    for name in ("points", "costs", "status", "seconds"):
+        folder.arrays[f"{name}_{STAGE}"] = folder.arrays[f"{name}_{STAGE}"][1:]
+    first, second = folder.evidence["results"][STAGE]["cases"][:2]
+    second["index"] = 0
+    first.update({name: value for name, value in second.items() if name != "label"})
+
+
+def no_longer_varied(folder: Folder) -> None:
+    """A value of a case of which this campaign has another one and does not vary it."""
+    folder.campaign["baseline"]["cases"][1]["parameters"]["avoider.d_0"] = 1.0
+
+
+@pytest.mark.parametrize("forged", [elsewhere("vehicle.J"), withdrawn, no_longer_varied])
+def test_a_case_is_evaluated_where_the_baseline_found_it(forged: Callable[[Folder], None], folder: Folder) -> None:
+    forged(folder)
+    folder.reseal()
+    accepted, sentence = closing(folder.items())
+    assert not accepted
+    assert "points.stage 1" in sentence
+
+
 def test_the_comparison_itself_is_accepted(folder: Folder) -> None:
     standings = {case["before"]: case["standing"] for case in folder.result["regression"]["cases"]}
     assert standings.keys() == {"F1", "F2", "F3"}

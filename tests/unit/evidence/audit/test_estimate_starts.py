@@ -22,7 +22,7 @@ from tests.given.record_versions import copies, follows
 from tests.given.sampled_stages import DRAWN
 from tests.simulators import noisy
 from tests.simulators.adversaries import ADVERSARIES, Call, adversary
-from worker.engine.rare import earlier, starts
+from worker.engine.rare import design, earlier, starts
 from worker.engine.rare.alarms import NOTHING
 from worker.engine.rare.estimate import estimated
 from worker.engine.stages import estimate as stage
@@ -54,6 +54,30 @@ def asked(first: dict[str, Any], stages: dict[str, Any], second: dict[str, Any] 
     document["uncertain"]["simulator.b"] |= {"distribution": second or first}
     document["stages"] |= stages
     return load_document(document)
+
+
+def two_values(call: Call) -> float:
+    """Half the threshold of 1 in a corner with a probability of about 7e-5, twice the threshold outside."""
+    return (0.5 if min(call.a, call.b) > 0.62 else 2.0) - (10.0 - 3.0 * call.a - (call.b - 0.5) ** 2)
+
+
+def test_an_estimate_of_a_criterion_of_two_values_follows(monkeypatch: pytest.MonkeyPatch) -> None:
+    """No slope shows which coordinate decides: each is brought to where it violates no more, in the audit as well."""
+    monkeypatch.setitem(ADVERSARIES, "two values", two_values)
+    flat, one_by_one = list[int](), design._one_by_one
+
+    def noted(points: Any, allowed: Any) -> Any:
+        flat.append(len(points))
+        return one_by_one(points, allowed)
+
+    monkeypatch.setattr(design, "_one_by_one", noted)
+    search = [{"method": name, "evaluations": 300} for name in ("direct", "differential_evolution")]
+    with adversary("two values"):
+        campaign = asked(NORMAL, {"search": search, "certify": None, "estimate": {"evaluations": 2000}})
+        stated, store = ran(campaign)
+        assert sum(flat) > 0
+        assert (stated.low or 0.0) < stats.norm.sf(2.4) ** 2 < (stated.high or 0.0)
+        audited(store, campaign)
 
 
 @pytest.fixture

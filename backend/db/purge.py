@@ -216,10 +216,11 @@ def _kept() -> sa.ColumnElement[bool]:
 
 
 def _against() -> sa.ColumnElement[bool]:
-    """It found a value that violates, and a run asks the same question for a requirement."""
+    """It found a value that violates, or one beyond the horizon that bars "cleared", and a run asks the same question
+    for a requirement."""
     other = orm.aliased(Run)
     of = sa.select(RunRequirement.run_id).join(other, other.id == RunRequirement.run_id)
-    return sa.and_(violates(), of.where(other.question == Run.question).exists())
+    return sa.and_(sa.or_(violates(), Run.later.is_not(None)), of.where(other.question == Run.question).exists())
 
 
 def violates() -> sa.ColumnElement[bool]:

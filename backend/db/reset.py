@@ -39,7 +39,7 @@ def empty(writer: sa.Connection, run_id: int) -> None:
         "evaluations": 0,
         "failed_evaluations": 0,
     }
-    values |= dict.fromkeys(("nominal_cost", "worst_cost", "worst_method", "made_again"))
+    values |= dict.fromkeys(("nominal_cost", "worst_cost", "worst_method", "made_again", "later"))
     values |= {"best_so_far": [], "not_before": 0.0}
     if seed := sample_seeds.again(writer, run_id):
         values |= {"sample_seed": seed.value}

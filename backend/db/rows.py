@@ -160,10 +160,14 @@ def lowered(connection: sa.Connection, run_id: int, kind: str, method: str | Non
 
 
 def made_again(connection: sa.Connection, run_id: int, result: StageResult, findings: Sequence[Finding]) -> None:
-    """A stage has ended: keep the lowest value that it saw in evaluations made again, its own or those of findings.
+    """A stage has ended: keep the lowest value that it saw in evaluations made again, its own or those of findings, and
+    after the horizon.
 
-    It is the lowest value of the run as well until a verdict states another: a run may end without one.
+    The first is the lowest value of the run as well until a verdict states another: a run may end without one.
     """
+    if result.later:
+        later = min(-math.inf if value is None else value for _, value in result.later)
+        connection.execute(sa.update(Run).where(Run.id == run_id).values(later=later))
     if values := _seen(result, (f.validation for f in findings)):
         for column in (Run.made_again, Run.worst_cost):
             lower = sa.or_(column.is_(None), column > min(values))

@@ -129,6 +129,9 @@ class Run(Base):
     worst_method: orm.Mapped[str | None] = orm.mapped_column(sa.String(60))
     made_again: orm.Mapped[float | None]
     """The lowest value that validation saw where it made evaluations again to confirm them: no stage stores it."""
+    later: orm.Mapped[float | None]
+    """The lowest value that validation saw beyond the horizon, below all evaluations of the run; -inf if it could not
+    tell how low it is, None if nothing comes closer there."""
     evaluations: orm.Mapped[int] = orm.mapped_column(COUNT, default=0)
     planned: orm.Mapped[int] = orm.mapped_column(COUNT, default=0)
     failed_evaluations: orm.Mapped[int] = orm.mapped_column(COUNT, default=0)

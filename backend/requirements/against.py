@@ -24,7 +24,7 @@ from backend.db.sweeps import in_sweep
 from backend.db.tables import CampaignRow, Run, RunRequirement
 from backend.requirements.standing import EARLIER, Edge, How, how, newest_of
 from backend.runs import violations
-from backend.runs.violations import MOST_NAMED, Found, named, violating
+from backend.runs.violations import Found, named, violating
 from campaigns.alike import plain
 
 
@@ -47,6 +47,10 @@ def against(reader: sa.Connection, edges: Mapping[str, Sequence[Edge]]) -> list[
 
 def _edges(some: Iterable[Found]) -> list[Edge]:
     return [Edge(**vars(one)) for one in some]
+
+
+MOST_SIMILAR = 20
+"""Ids that a note names."""
 
 
 @dataclass(frozen=True)
@@ -167,5 +171,5 @@ def notes(ignored: Ignored, similar: Sequence[str]) -> Iterator[str]:
     if clauses := [text.format(named(spoke[way])) for way, text in REMOVED.items() if way in spoke]:
         yield f"Removed runs do not count; {'; '.join(clauses)}."
     if similar:
-        others = ", ".join(map(repr, similar[:MOST_NAMED]))
+        others = ", ".join(map(repr, similar[:MOST_SIMILAR]))
         yield f"Other ids differ only in case, spaces or the form of characters: {others}."

@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections import defaultdict
 from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass, replace
+from itertools import chain
 from typing import Any
 
 import sqlalchemy as sa
@@ -25,7 +26,7 @@ from backend.requirements.schemas import RequirementPage, RequirementRow, Requir
 from backend.requirements.standing import Edge, Standing, standing
 from backend.runs import identity
 from backend.runs.outcomes import Outcome, outcomes
-from backend.runs.violations import judged
+from backend.runs.violations import CLOSER, intending, judged
 from backend.signoffs import present
 from backend.signoffs.standing import UNSIGNED, Signature, signatures
 from backend.signoffs.texts import Texts, texts
@@ -80,6 +81,8 @@ def every(reader: sa.Connection, runs: int) -> Iterator[RequirementRow]:
 def rows(reader: sa.Connection, ids: Sequence[str], most: int) -> list[RequirementRow]:
     edges = _edges(reader, ids)
     others = against.against(reader, edges)
+    permit = intending(reader, chain.from_iterable(edges.values()), others)
+    edges = {key: [replace(e, permits=e.run_id in permit) for e in found] for key, found in edges.items()}
     stored = sa.select(Requirement.__table__, RequirementFile.name.label("file"))
     stored = stored.outerjoin(RequirementFile, RequirementFile.id == Requirement.file_id)
     registered = {row.id: row for row in reader.execute(stored.where(Requirement.id.in_(ids)))}
@@ -146,16 +149,17 @@ def _read(cursor: str) -> str:
 def _edges(reader: sa.Connection, ids: Sequence[str]) -> dict[str, list[Edge]]:
     """The runs of each requirement that count, the newest first; identities only where a violation may rest on them."""
     columns = (RunRequirement.requirement, RunRequirement.run_id, Run.question, Run.state, Run.verdict)
-    of = sa.select(*columns, CampaignRow.name, Run.threshold).join(Run, Run.id == RunRequirement.run_id)
+    of = sa.select(*columns, CampaignRow.name, Run.threshold, Run.worst_cost).join(Run, Run.id == RunRequirement.run_id)
     of = of.join(CampaignRow, CampaignRow.digest == Run.campaign_digest)
     of = of.where(RunRequirement.requirement.in_(ids), *present.counted()).order_by(RunRequirement.run_id.desc())
     found: dict[str, list[Edge]] = defaultdict(list)
     compared: set[int] = set()
     first: dict[tuple[str, str], int] = {}
     newest: set[tuple[str, str]] = set()
-    for key, run_id, question, state, word, name, threshold in reader.execute(of):
+    for key, run_id, question, state, word, name, threshold, worst in reader.execute(of):
         verdict = judged(state, word)
-        found[key].append(Edge(run_id, name, question or "", verdict, UNSTORED, threshold=threshold))
+        lowest = worst if verdict == VerdictWord.CLEARED else None
+        found[key].append(Edge(run_id, name, question or "", verdict, UNSTORED, threshold, lowest))
         first.setdefault((key, name), run_id)
         if verdict == VerdictWord.VIOLATED or (verdict is not None and (key, name) not in newest):
             compared.add(run_id)
@@ -219,9 +223,11 @@ def _whole(edge: Edge, known: Known | None, key: str, worded: Texts) -> Edge:
     )
 
 
-def _role(edge: Edge, violates: bool, counts: bool) -> str:
-    if not violates:
-        return "" if counts else "does not count"
+def _role(edge: Edge, now: Standing) -> str:
+    if edge.run_id not in now.violations:
+        return "" if edge.run_id in now.evidence else "does not count"
+    if edge.run_id in now.closer:
+        return f"{CLOSER} of the newest"
     found = edge.verdict == VerdictWord.VIOLATED
     return "still violates" if found else "found a value at or below the newest threshold"
 
@@ -231,7 +237,7 @@ def _run(edge: Edge, known: Known, now: Standing, key: str) -> RequirementRun:
     return RequirementRun(
         **dict(known.outcome),
         part="violation" if violates else "evidence" if counts else "other",
-        role=_role(edge, violates, counts),
+        role=_role(edge, now),
         signoffs=[one.signoff(key) for one in known.signatures],
         signed=edge.signed,
         suspect=edge.signed and bool(edge.changes),

@@ -11,7 +11,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Literal, get_args
 
-from backend.runs.violations import Found, above, at_threshold, same_case
+from backend.runs.violations import CLOSER, Found, above, at_threshold, comes_closer, named, same_case
 from campaigns.results.regression import PolicyWord
 from campaigns.results.verdict import VerdictWord
 from campaigns.runs import run_name
@@ -58,7 +58,9 @@ class Standing:
     evidence: frozenset[int] = frozenset()
     """The newest run with a verdict of each campaign; the newest one, if none has a verdict."""
     violations: frozenset[int] = frozenset()
-    """Runs that violate, or found a value that would, and that nothing has changed since."""
+    """Runs that violate, found a value that would, or saw it beyond the horizon, and that nothing has changed since."""
+    closer: frozenset[int] = frozenset()
+    """Of these, the last."""
 
 
 def standing(edges: Sequence[Edge], others: Sequence[Edge] = (), sweeps: int = 0) -> Standing:
@@ -85,6 +87,7 @@ def standing(edges: Sequence[Edge], others: Sequence[Edge] = (), sweeps: int = 0
         " ".join(sentences) + (rest if better else "") + _earlier(newest) + _policy(newest),
         frozenset().union(*(one.evidence for one in found)),
         frozenset().union(*(one.violations for one in found)),
+        frozenset().union(*(one.closer for one in found)),
     )
 
 
@@ -142,11 +145,15 @@ def _of_campaign(name: str, edges: Sequence[Edge], others: Sequence[Edge]) -> St
         return Standing("violated", _violated(name, violations, newest), evidence, runs)
     run, before = run_name(newest.run_id), _before(judged, newest)
     if against:
+        closer = [e for e in against if not at_threshold(e, newest)]
+        lower = [e for e in against if e not in closer]
+        parts = [f"{_listed(lower)} found a value at or below the threshold of {run}"] if lower else []
+        parts += [f"{_listed(closer)} {CLOSER} of {run}"] if closer else []
         text = (
-            f"{name}: {_listed(against)} found a value at or below the threshold of "
-            f"{run}, {_newest(newest)}, on the same question and model; no verdict confirms it.{before}"
+            f"{name}: {' and '.join(parts)}, {_newest(newest)}, on the same question and model"
+            f"{'; no verdict confirms it' if lower else ''}.{before}"
         )
-        return Standing("inconclusive", text, evidence, runs)
+        return Standing("inconclusive", text, evidence, runs, frozenset(e.run_id for e in closer))
     if newest.verdict is None:
         return Standing("no verdict", f"{name}: no run that counts has a verdict.", evidence)
     if newest.not_sampled:
@@ -186,17 +193,18 @@ def _before(judged: Sequence[Edge], newest: Edge) -> str:
 
 
 def _listed(edges: Sequence[Edge]) -> str:
-    return ", ".join(run_name(e.run_id) for e in edges)
+    return named([e.run_id for e in edges])
 
 
 def _stands(edge: Edge, newest: Edge) -> bool:
-    """Whether a run violates, or found a value that would, with the question and the model of the newest run.
+    """Whether a run violates, or found a value that would, with the question and the model of the newest run; also
+    beyond the horizon, where that run is cleared.
 
     A cleared run of the same question on the same model has missed a case that exists.
     """
     if edge.run_id == newest.run_id and newest.verdict is not None:
         return edge.verdict == VerdictWord.VIOLATED
-    return same_case(edge, newest) and at_threshold(edge, newest)
+    return same_case(edge, newest) and (at_threshold(edge, newest) or comes_closer(edge, newest))
 
 
 def _violated(name: str, violations: Sequence[Edge], newest: Edge) -> str:

@@ -13,7 +13,7 @@ import sqlalchemy as sa
 from backend.db import groups
 from backend.db.engine import read
 from backend.db.tables import CampaignRow, Run, Stage
-from backend.runs import counts, earlier_rules, identity, policy, quantities, sample_kind, waiting
+from backend.runs import counts, earlier_rules, identity, policy, quantities, sample_kind, violations, waiting
 from backend.runs.filters import Filters, unindexed
 from backend.runs.order import VALUES, Order, Sort
 from backend.runs.schemas import RunPage, RunSummary, StageProgress
@@ -73,12 +73,13 @@ def summaries(reader: sa.Connection, *conditions: sa.ColumnElement[bool]) -> lis
     excluded = counts.excluded(reader, [row.id for row in rows])
     labelled = groups.of_runs(reader, [row.id for row in rows])
     waits = waiting.reasons(reader, [row.id for row in rows if row.state == RunState.QUEUED])
+    contradicted = violations.sentences(reader, [row.id for row in rows if row.verdict is not None])
     doing = waiting.doing(reader, [row.id for row in rows if row.state == RunState.RUNNING])
     return [
         _summary(
             row,
             counts.of(row, excluded.get(row.id, 0))
-            | {"stage": working.get(row.id), "doing": doing.get(row.id)}
+            | {"stage": working.get(row.id), "doing": doing.get(row.id), "against": contradicted.get(row.id, "")}
             | waits.get(row.id, waiting.Waits(None))._asdict()
             | labelled[row.id]._asdict()
             | quantities.of(row, described)._asdict(),

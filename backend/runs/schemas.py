@@ -160,6 +160,10 @@ class RunSummary(Schema):
     earlier_rules: bool
     """Whether it is cleared by the rules of an earlier version, and `clearance audit` names what does not hold by those
     of today."""
+    against: str = ""
+    """Of a run that is cleared or inconclusive: the listed runs that violate its criterion, found a value at or below
+    its threshold, with or without a verdict, or saw beyond the horizon what bars a cleared verdict, on the same
+    question and model, a sentence; empty without any."""
     reason: str | None
     """The verdict's sentence."""
     error: str | None
@@ -277,9 +281,8 @@ class RunDetail(RunSummary):
     unconfirmed: Spans = ()
     """Of a cancelled or failed run: the sentence on its lowest value, where that is at or below the threshold and thus
     speaks against a requirement without a verdict; empty otherwise."""
-    against: str = ""
-    """Of a run that is cleared or inconclusive: the listed runs that violate its criterion, or found a value at or
-    below its threshold, with or without a verdict, on the same question and model, a sentence; empty without any."""
+    against_runs: list[str] = Field(default_factory=list)
+    """All runs of which `against` names the first."""
     rules: str
     """That earlier rules cleared it, sentences; empty for any other run."""
     untraced: str

@@ -28,7 +28,7 @@ from backend.runs.schemas import (
 )
 from backend.runs.tombstones import refuse_purged
 from backend.runs.traces import no_trace
-from backend.runs.violations import sentence_of
+from backend.runs.violations import against
 from campaigns import Campaign
 from campaigns.asked.sample_bound import bound
 from campaigns.checked import best_bound
@@ -76,6 +76,7 @@ def detail(reader: sa.Connection, run_id: int) -> RunDetail:
     verdict = _verdict(reader, run_id, campaign, parts, base.failed_evaluations)
     if verdict is not None:  # stored as text, it has the bound as earlier versions rounded it
         base = base.model_copy(update={"reason": verdict.reason})
+    speaking = against(reader, [run_id])[run_id] if base.against else []
     pace = _pace(stages, computing(campaign)) if base.state == RunState.RUNNING else NO_PACE
     return RunDetail(
         **dict(base),
@@ -100,7 +101,7 @@ def detail(reader: sa.Connection, run_id: int) -> RunDetail:
         stages=stages,
         summary=verdict,
         unconfirmed=unconfirmed(base.state, base.worst_cost, base.threshold, base.unit),
-        against=sentence_of(reader, run_id),
+        against_runs=[run_name(one.run_id) for one in speaking],
         rules=by_earlier_rules(base.id) if base.earlier_rules else "",
         untraced="" if campaign.simulator is None else no_trace(reader, run_id),
         rate=pace.rate,

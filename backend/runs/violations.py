@@ -1,4 +1,5 @@
-"""Which runs speak against another one: they violate, or found a value that would, with its question and its model.
+"""Which runs speak against another one: they violate, found a value that would, or saw what bars "cleared" beyond
+the horizon, with its question and its model.
 
 A run does so with or without a verdict, as a cancelled one, a variant of a sweep, or one of a campaign with another
 name, seed or budget: the case is there. One rule for requirements, sign-offs, reuse, reports and pages. Read `against`.
@@ -8,8 +9,9 @@ from __future__ import annotations
 
 import math
 from collections import defaultdict
-from collections.abc import Collection, Sequence
-from dataclasses import dataclass
+from collections.abc import Collection, Iterable, Iterator, Sequence
+from dataclasses import dataclass, replace
+from itertools import chain
 from typing import Any
 
 import sqlalchemy as sa
@@ -22,8 +24,10 @@ from campaigns.identity.identity import UNSTORED, Identity, may_equal
 from campaigns.results.verdict import VerdictWord
 from campaigns.runs import RunState, run_name
 
-MOST_NAMED = 20
-"""Runs or ids that a sentence names."""
+CLOSER = "saw beyond the horizon what bars a cleared verdict"
+"""Of runs of which validation saw a flight come closer there, or could not tell."""
+MOST_NAMED = 3
+"""Runs that a sentence names."""
 LISTED = (Run.removed.is_(None), Run.purged.is_(None))
 """Removed runs speak against none: whoever removed one gave a reason."""
 
@@ -40,6 +44,10 @@ class Found:
     identity: Identity
     threshold: float | None = None
     worst: float | None = None
+    later: float | None = None
+    """The lowest value beyond the horizon, see `Run.later`."""
+    permits: bool = False
+    """Whether its campaign, which it cleared, intends closest approaches at its end."""
 
 
 def judged(state: str, word: str | None) -> VerdictWord | None:
@@ -62,6 +70,16 @@ def at_threshold(one: Found, other: Found) -> bool:
     return other.threshold is not None and _lowest(one) <= other.threshold
 
 
+def comes_closer(other: Found, one: Found) -> bool:
+    """Whether a run saw beyond the horizon what bars "cleared" of another one, which is cleared because it simulated
+    others on: closer than any evaluation, or at or below the threshold where its campaign intends such approaches."""
+    if other.later is None or one.verdict != VerdictWord.CLEARED:
+        return False
+    if one.permits:
+        return one.threshold is not None and other.later <= one.threshold
+    return other.later < _lowest(one)
+
+
 def above(one: float | None, other: float | None) -> bool:
     return one is not None and other is not None and one > other
 
@@ -70,7 +88,7 @@ def found(reader: sa.Connection, *conditions: sa.ColumnElement[bool]) -> list[Fo
     """What the runs found that fulfil the conditions; the lowest value is infinite without one."""
     lowest = sa.select(sa.func.min(Stage.best)).where(Stage.run_id == Run.id, own_question())
     worst = lowest.scalar_subquery().label("worst")
-    columns = (Run.id, Run.state, Run.verdict, Run.threshold, Run.worst_cost, Run.made_again, Run.question)
+    columns = (Run.id, Run.state, Run.verdict, Run.threshold, Run.worst_cost, Run.made_again, Run.later, Run.question)
     of = sa.select(*columns, CampaignRow.name, worst).join(CampaignRow, CampaignRow.digest == Run.campaign_digest)
     rows: Sequence[Any] = reader.execute(of.where(*conditions).order_by(Run.id)).all()
     before = made_again_before(reader, [row.id for row in rows if row.made_again is None])
@@ -87,20 +105,22 @@ def found(reader: sa.Connection, *conditions: sa.ColumnElement[bool]) -> list[Fo
                 known.get(row.id, UNSTORED),
                 row.threshold,
                 min(values, default=math.inf),
+                row.later,
             )
         )
     return stated
 
 
 def violating(reader: sa.Connection, limit: float, *conditions: sa.ColumnElement[bool]) -> list[Found]:
-    """The listed runs among these that violate, or found a value at or below the limit."""
-    seen = sa.or_(Run.verdict == VerdictWord.VIOLATED, at_or_below(limit), unread())
+    """The listed runs among these that violate, found a value at or below the limit, or one beyond the horizon."""
+    seen = sa.or_(Run.verdict == VerdictWord.VIOLATED, at_or_below(limit), unread(), Run.later.is_not(None))
     some = found(reader, *conditions, *LISTED, seen)
-    return [one for one in some if one.verdict == VerdictWord.VIOLATED or _lowest(one) <= limit]
+    return [o for o in some if o.verdict == VerdictWord.VIOLATED or o.later is not None or _lowest(o) <= limit]
 
 
 def against(reader: sa.Connection, run_ids: Collection[int]) -> dict[int, list[Found]]:
-    """The listed other runs that speak against the verdict of each, by run; none against one that violates."""
+    """The listed other runs that speak against the verdict of each, by run; none against one that violates. `later` is
+    only of those that speak against it by nothing else."""
     own: list[Found] = []
     for some in chunks(run_ids):
         own += found(reader, Run.id.in_(some), Run.verdict.is_not(None), Run.question.is_not(None))
@@ -110,28 +130,52 @@ def against(reader: sa.Connection, run_ids: Collection[int]) -> dict[int, list[F
     for some_questions in chunks({one.question for one in own}):
         for other in violating(reader, limit, Run.question.in_(some_questions)):
             others[other.question].append(other)
-    stated = {one.run_id: [o for o in others[one.question] if _speaks(o, one)] for one in own}
+    permit = intending(reader, own, chain.from_iterable(others.values()))
+    own = [replace(one, permits=one.run_id in permit) for one in own]
+    stated = {one.run_id: [*_speaking(others[one.question], one)] for one in own}
     return {run_id: speaking for run_id, speaking in stated.items() if speaking}
 
 
-def _speaks(other: Found, one: Found) -> bool:
-    return other.run_id != one.run_id and at_threshold(other, one) and same_case(other, one)
+def intending(reader: sa.Connection, own: Iterable[Found], others: Iterable[Found]) -> set[int]:
+    """Of cleared runs those with `permits`, which is read only where any of the others saw something beyond the
+    horizon."""
+    if all(one.later is None for one in others):
+        return set()
+    intends = CampaignRow.document["encounter", "intended"].as_string().contains("closest_approach")
+    of = sa.select(Run.id).join(CampaignRow, CampaignRow.digest == Run.campaign_digest).where(intends)
+    cleared = chunks({one.run_id for one in own if one.verdict == VerdictWord.CLEARED})
+    return {run_id for some in cleared for run_id in reader.scalars(of.where(Run.id.in_(some)))}
+
+
+def _speaking(others: Iterable[Found], one: Found) -> Iterator[Found]:
+    for other in others:
+        if other.run_id != one.run_id and same_case(other, one):
+            if at_threshold(other, one):
+                yield replace(other, later=None)
+            elif comes_closer(other, one):
+                yield other
 
 
 def clause(speaking: Sequence[Found]) -> str:
     """That these speak against a run, for a sentence on it."""
     violated = [one.run_id for one in speaking if one.verdict == VerdictWord.VIOLATED]
-    lower = [one.run_id for one in speaking if one.verdict != VerdictWord.VIOLATED]
+    later = [one.run_id for one in speaking if one.later is not None]
+    lower = [one.run_id for one in speaking if one.verdict != VerdictWord.VIOLATED and one.later is None]
     verb = "violates" if len(violated) == 1 else "violate"
     parts = [f"{named(violated)} {verb} the criterion"] if violated else []
     parts += [f"{named(lower)} found a value at or below the threshold"] if lower else []
+    parts += [f"{named(later)} {CLOSER}"] if later else []
     return f"{' and '.join(parts)}, on the same question and model"
 
 
 def sentence_of(reader: sa.Connection, run_id: int) -> str:
     """What speaks against the verdict of one run; empty if nothing does."""
-    speaking = against(reader, [run_id]).get(run_id)
-    return "" if speaking is None else f"{clause(speaking)}."
+    return sentences(reader, [run_id]).get(run_id, "")
+
+
+def sentences(reader: sa.Connection, run_ids: Collection[int]) -> dict[int, str]:
+    """The same of each of these, by run, without those that nothing speaks against."""
+    return {run_id: f"{clause(speaking)}." for run_id, speaking in against(reader, run_ids).items()}
 
 
 def named(runs: Sequence[int]) -> str:

@@ -87,6 +87,8 @@ class EndedRun:
     replay: str = ""
     labels: dict[str, str] = field(default_factory=dict)
     notes: tuple[str, ...] = ()
+    against: tuple[str, ...] = ()
+    """All runs that speak against its verdict."""
     seconds: float = 0.0
     compared: bool = True
     """False if a baseline was asked for and there is none."""

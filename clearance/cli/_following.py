@@ -147,6 +147,7 @@ def as_ended(service: Client, found: RunDetail, reused: str | None = None) -> En
         replay=f"clearance replay --service {shlex.quote(service.address)} {found.id}",
         labels=found.labels,
         notes=tuple(filter(None, [document.get("against"), rules, reused, *extends, baseline, removal(found)])),
+        against=tuple(document.get("against_runs") or ()),
         seconds=worked(found),
         compared=compared is None or compared.run is not None,
         quantity=found.quantity,

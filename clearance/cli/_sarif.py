@@ -98,6 +98,7 @@ def _properties(ended: EndedRun) -> dict[str, object]:
         "state": ended.state,
         "labels": ended.labels or None,
         "notes": list(ended.notes) or None,
+        "against": list(ended.against) or None,
         "code": None if ended.identity is None else ended.identity.model_dump(mode="json"),
     }
     if verdict is not None:

@@ -35,7 +35,10 @@ def runs(
     token_file: Token = "",
     patience: Patience = PATIENCE,
 ) -> None:
-    """List the runs of a service: number, verdict or state, lowest margin found, start, code, name, labels."""
+    """List the runs of a service: number, verdict or state, lowest margin found, start, code, name, labels.
+
+    Another run speaks against a verdict that is contradicted; `clearance show` names it.
+    """
     import itertools
     import json
 
@@ -61,10 +64,11 @@ def _row(run: Run) -> list[str]:
 
     margin = "" if run.margin is None else f"{signed(run.margin)} {run.unit}".rstrip()
     unread = run.document.get("unidentified")
+    contradicted = ", contradicted" if run.document.get("against") else ""
     labels = " ".join(f"{key}={value}" for key, value in run.labels.items())
     return [
         run.id,
-        ended_as(run),
+        ended_as(run) + contradicted,
         margin,
         moment(run.created),
         (run.document.get("code") or "")[:SHORT] or ("not identified" if unread else ""),

@@ -204,6 +204,11 @@ class Run(RunAnswer):
     """Whether it is cleared by the rules of an earlier version, and `clearance audit` names what does not hold by those
     of today.
     """
+    against: str | None = None
+    """Of a run that is cleared or inconclusive: the listed runs that violate its criterion, found a value at or below
+    its threshold, with or without a verdict, or saw beyond the horizon what bars a cleared verdict, on the same
+    question and model, a sentence; empty without any.
+    """
     reason: str | None
     """The verdict's sentence."""
     error: str | None
@@ -309,10 +314,8 @@ class RunDetail(Run):
     """Empty until a worker has started the run."""
     summary: VerdictParts | None
     """The verdict with its evidence; None until there is one."""
-    against: str | None = None
-    """Of a run that is cleared or inconclusive: the listed runs that violate its criterion, or found a value at or
-    below its threshold, with or without a verdict, on the same question and model, a sentence; empty without any.
-    """
+    against_runs: list[str] = []
+    """All runs of which `against` names the first."""
     rules: str | None = None
     """That earlier rules cleared it, sentences; empty for any other run."""
     untraced: str | None = None

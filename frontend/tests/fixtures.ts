@@ -73,7 +73,7 @@ export const verdict = like<RunVerdict>({
 const part = (component: string) => ({ component, parameters: {} })
 
 export const run = like<RunDetail>({
-  id: 'R-0001', name: '', tags: [], labels: {}, baseline: null, owner: 'Ada', token: null, state: 'done', verdict: null, not_sampled: false, earlier_rules: false, not_continuable: null, undigested: null, reason: null, error: null,
+  id: 'R-0001', name: '', tags: [], labels: {}, baseline: null, owner: 'Ada', token: null, state: 'done', verdict: null, not_sampled: false, earlier_rules: false, against: '', against_runs: [], not_continuable: null, undigested: null, reason: null, error: null,
   campaign_name: 'a campaign', campaign_digest: '00', quantity: 'd_min', unit: 'm', threshold: 1, nominal_cost: null,
   worst_cost: null, margin: null, worst_method: null, evaluations: 0, planned: 0, failed_evaluations: 0,
   excluded_evaluations: 0, created: 0, started: null, finished: null, stage: null, attempts: 1, worker: null,
@@ -94,7 +94,7 @@ export const run = like<RunDetail>({
     },
     agreement: 0.05, target_probability: null, confidence: 0.95, seed: 1, published: [],
   },
-  criteria: [], components_digest: null, flown: null, identity: null, code: null, unidentified: [], plan: [], stages: [], summary: null, rules: '', untraced: '', rate: null, remaining: null, untimed: [], unconfirmed: [], against: '', waits: null, other_code: null, doing: null,
+  criteria: [], components_digest: null, flown: null, identity: null, code: null, unidentified: [], plan: [], stages: [], summary: null, rules: '', untraced: '', rate: null, remaining: null, untimed: [], unconfirmed: [], waits: null, other_code: null, doing: null,
 })
 
 export const coverage = like<Coverage>({

@@ -68,6 +68,15 @@ export const Badge = ({ tone, Icon, children, ...rest }: BadgeProps) => (
 
 export const RunBadge = ({ run }: { run: Ended }) => <VerdictBadge outcome={outcomeOf(run)} word={wordOf(run)} />
 
+/** The mark of a verdict against which other runs speak; their sentence is its title. */
+export const Contradicted = ({ run }: { run: Pick<RunSummary, 'against'> }) =>
+  run.against ? (
+    <span role="img" title={run.against} aria-label={run.against}>
+      {' '}
+      <IconAlertTriangle className="i s bad-t" aria-hidden />
+    </span>
+  ) : null
+
 export function VerdictBadge({ outcome, word = LOOK[outcome].word }: { outcome: Outcome; word?: string }) {
   const { tone } = LOOK[outcome]
   return (

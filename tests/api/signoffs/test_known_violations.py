@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Collection, Mapping
 from typing import Any
@@ -12,8 +13,10 @@ import sqlalchemy as sa
 import yaml
 
 from backend.db.tables import Base, Finding, Run, Stage
-from backend.runs.violations import Found, against
+from backend.runs.violations import Found, against, comes_closer
 from backend.signoffs import standing
+from campaigns.identity.identity import UNSTORED
+from campaigns.results.verdict import VerdictWord
 from tests.given.reported_runs import finish_fully
 from tests.given.row_changes import changed
 from tests.given.service import Service
@@ -23,6 +26,7 @@ from tests.given.submissions import submit
 CANCELLED: dict[str, Any] = {"state": "cancelled", "verdict": None, "worst_cost": 0.5}
 MODEL = "on the same question and model"
 VIOLATES, FOUND = f"R-0001 violates the criterion, {MODEL}", f"R-0001 found a value at or below the threshold, {MODEL}"
+BEYOND = f"R-0001 saw beyond the horizon what bars a cleared verdict, {MODEL}"
 UNCONFIRMED = "1 without a verdict that found a value at or below the threshold"
 CASES: dict[str, tuple[Mapping[str, Any], str, str]] = {
     "violated": ({"verdict": "violated"}, VIOLATES, "1 cleared, 1 violated"),
@@ -40,6 +44,9 @@ CASES: dict[str, tuple[Mapping[str, Any], str, str]] = {
         "",
         "1 cleared, 1 violated",
     ),
+    "beyond the horizon": ({"verdict": "inconclusive", "later": 0.9}, BEYOND, "1 cleared, 1 inconclusive"),
+    "not known beyond it": ({"verdict": "inconclusive", "later": -math.inf}, BEYOND, "1 cleared, 1 inconclusive"),
+    "no closer beyond it": ({"verdict": "inconclusive", "later": 2.0}, "", "1 cleared, 1 inconclusive"),
     "removed": ({"verdict": "violated", "removed": 1.0}, "", "removed ones included: 1 cleared, 1 violated"),
 }
 """Changes of the other run, which has no requirement and another name; what is stated; how often it was asked."""
@@ -77,6 +84,43 @@ def test_what_another_run_found_is_stated_in_every_place(
         argument = yaml.safe_load(client.get(f"{API}/requirements/export/argument.gsn.yaml").text)
         assert any(name.endswith("R-0001") for name in argument) == bool(stated)
         assert not stated or not any(name.startswith("Sn-") for name in argument)
+
+
+def test_of_many_runs_a_sentence_names_few_and_the_api_all(service: Service, client: httpx.Client) -> None:
+    """The list of runs states it as well, with as many statements for many runs as for few."""
+    submit(client, name="renamed", seed=9)
+    finish_fully(service, "violated")
+    run, statements = ran(service, client), list[str]()
+    sa.event.listen(service.engine, "before_cursor_execute", lambda _c, _k, text, *_: statements.append(text))
+
+    def listed() -> tuple[dict[str, str], int]:
+        statements.clear()
+        rows = client.get(f"{API}/runs").json()["items"]
+        return {row["id"]: row["against"] for row in rows}, len(statements)
+
+    stated, few = listed()
+    assert stated == {"R-0001": "", run: f"{VIOLATES}."}
+    for other in range(3, 27):
+        copied(service.engine, other)
+    (stated, many), detail = listed(), client.get(f"{API}/runs/{run}").json()
+    assert stated[run] == f"R-0001, R-0003, R-0004 and 22 more violate the criterion, {MODEL}."
+    assert stated[run] == detail["against"]
+    assert detail["against_runs"] == ["R-0001", *(f"R-{other:04d}" for other in range(3, 27))]
+    assert many == few
+    (row,) = client.get(f"{API}/requirements").json()["items"]
+    assert row["sentence"].count("R-00") == 4
+
+
+def test_what_was_seen_beyond_the_horizon_bars_what_is_cleared_without_it() -> None:
+    """Closer than any evaluation; where the campaign intends such approaches, at or below the threshold."""
+
+    def speaks(later: float | None, word: VerdictWord = VerdictWord.CLEARED, permits: bool = False) -> bool:
+        other = Found(1, "a", "q", VerdictWord.INCONCLUSIVE, UNSTORED, 0.5, 0.9, later)
+        return comes_closer(other, Found(2, "a", "q", word, UNSTORED, 0.5, 0.9, permits=permits))
+
+    assert [speaks(later) for later in (None, 1.0, 0.9, 0.8, 0.4, -math.inf)] == [False] * 3 + [True] * 3
+    assert [speaks(later, permits=True) for later in (0.8, 0.5, -math.inf)] == [False, True, True]
+    assert not any(speaks(0.4, word) for word in (VerdictWord.VIOLATED, VerdictWord.INCONCLUSIVE))
 
 
 def test_a_run_that_violates_itself_needs_no_other(service: Service, client: httpx.Client) -> None:

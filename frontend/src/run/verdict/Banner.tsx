@@ -1,11 +1,13 @@
 // The outcome of a run: verdict, sentence, scope and checks. A failed run has no verdict.
 import { IconCircleCheck, IconCircleX, IconHelpCircle } from '@tabler/icons-react'
 import { clsx } from 'clsx'
+import { Fragment } from 'react'
 import type { DescribedCheck, RunDetail } from '../../client'
 import { withoutValue } from '../../format/counts'
 import { count } from '../../format/numbers'
 import { words } from '../../format/spans'
 import { HelpLink } from '../../help/links'
+import { RunLink } from '../../ui/RunLink'
 import { Spans } from '../../ui/Spans'
 import { lookOf, type Outcome, OutcomeIcon, outcomeOf, wordOf } from '../../ui/VerdictBadge'
 import type { RunData } from '../data/data'
@@ -38,11 +40,7 @@ export function Banner({ data }: { data: RunData }) {
         ) : (
           <WithoutVerdict run={run} outcome={outcome} />
         )}
-        {run.against && (
-          <p data-testid="against">
-            <b>{run.against}</b>
-          </p>
-        )}
+        <Against run={run} />
         {run.rules && <p data-testid="rules">{run.rules}</p>}
         {run.verdict && summary?.sureness && (
           <p className="sec" data-testid="sureness">
@@ -62,6 +60,30 @@ export function Banner({ data }: { data: RunData }) {
         )}
       </div>
     </section>
+  )
+}
+
+/** Which other runs speak against the verdict: the first few, and all on demand. */
+export function Against({ run: { against, against_runs: all = [] } }: { run: RunDetail }) {
+  if (!against) return null
+  return (
+    <div data-testid="against">
+      <p>
+        <b>{against}</b>
+      </p>
+      {all.some((id) => !against.includes(id)) && (
+        <details className="sec">
+          <summary>All {count(all.length)} runs</summary>
+          <p>
+            {all.map((id) => (
+              <Fragment key={id}>
+                <RunLink run={id} />{' '}
+              </Fragment>
+            ))}
+          </p>
+        </details>
+      )}
+    </div>
   )
 }
 

@@ -112,6 +112,8 @@ class Signoff(Base):
     """The user, also of a token."""
     texts: orm.Mapped[dict[str, str] | None]
     """The texts of the run's requirements when it was signed, by id; None: not stored by earlier versions."""
+    known: orm.Mapped[dict[str, str] | None]
+    """How other runs spoke against its verdict when it was signed all the same, by run; None: this was not stated."""
     created: orm.Mapped[float]
     withdrawn: orm.Mapped[float | None]
     withdrawn_by: orm.Mapped[str | None] = orm.mapped_column(sa.String(64))

@@ -73,7 +73,7 @@ def summaries(reader: sa.Connection, *conditions: sa.ColumnElement[bool]) -> lis
     excluded = counts.excluded(reader, [row.id for row in rows])
     labelled = groups.of_runs(reader, [row.id for row in rows])
     waits = waiting.reasons(reader, [row.id for row in rows if row.state == RunState.QUEUED])
-    contradicted = violations.sentences(reader, [row.id for row in rows if row.verdict is not None])
+    contradicted = violations.sentences(reader, [row.id for row in rows])
     doing = waiting.doing(reader, [row.id for row in rows if row.state == RunState.RUNNING])
     return [
         _summary(

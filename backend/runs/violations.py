@@ -91,6 +91,8 @@ def found(reader: sa.Connection, *conditions: sa.ColumnElement[bool]) -> list[Fo
     columns = (Run.id, Run.state, Run.verdict, Run.threshold, Run.worst_cost, Run.made_again, Run.later, Run.question)
     of = sa.select(*columns, CampaignRow.name, worst).join(CampaignRow, CampaignRow.digest == Run.campaign_digest)
     rows: Sequence[Any] = reader.execute(of.where(*conditions).order_by(Run.id)).all()
+    if not rows:
+        return []
     before = made_again_before(reader, [row.id for row in rows if row.made_again is None])
     known = identity.of_runs(reader, [row.id for row in rows])
     stated = []
@@ -158,14 +160,25 @@ def _speaking(others: Iterable[Found], one: Found) -> Iterator[Found]:
 
 def clause(speaking: Sequence[Found]) -> str:
     """That these speak against a run, for a sentence on it."""
-    violated = [one.run_id for one in speaking if one.verdict == VerdictWord.VIOLATED]
-    later = [one.run_id for one in speaking if one.later is not None]
-    lower = [one.run_id for one in speaking if one.verdict != VerdictWord.VIOLATED and one.later is None]
+    violated, lower, later = (
+        [one.run_id for one in speaking if _way(one) == way] for way in ("violates", "found", "beyond")
+    )
     verb = "violates" if len(violated) == 1 else "violate"
     parts = [f"{named(violated)} {verb} the criterion"] if violated else []
     parts += [f"{named(lower)} found a value at or below the threshold"] if lower else []
     parts += [f"{named(later)} {CLOSER}"] if later else []
     return f"{' and '.join(parts)}, on the same question and model"
+
+
+def ways(speaking: Iterable[Found]) -> dict[str, str]:
+    """How each of these speaks against a run: what a sign-off in its knowledge is bound to."""
+    return {run_name(one.run_id): _way(one) for one in speaking}
+
+
+def _way(one: Found) -> str:
+    if one.verdict == VerdictWord.VIOLATED:
+        return "violates"
+    return "found" if one.later is None else "beyond"
 
 
 def sentence_of(reader: sa.Connection, run_id: int) -> str:

@@ -27,6 +27,10 @@ class SignoffRequest(Given):
     texts: Annotated[dict[str, str], Field(max_length=1000)] | None = None
     """The texts of the requirements that were reviewed, as the list of sign-offs had them; refused if one has changed.
     Without them the sign-off is of the texts of now."""
+    against: Annotated[dict[str, str], Field(max_length=100_000)] | None = None
+    """How other runs speak against the verdict, as the list of sign-offs had them: the sign-off stands all the same,
+    for the reason in its comment, which is then required. Refused if this has changed. Without it such a sign-off is
+    suspect."""
 
 
 class WithdrawalRequest(Given):
@@ -90,6 +94,9 @@ class Signoffs(Schema):
     """The account under which the caller signs; null on a service without accounts, where a name is typed."""
     texts: dict[str, str] = Field(default_factory=dict)
     """The requirements that the run states, by id, with the texts of now: a new sign-off is bound to them."""
+    against: dict[str, str] = Field(default_factory=dict)
+    """How other runs speak against its verdict, by run: it `violates`, it `found` a value at or below the threshold, or
+    it saw `beyond` the horizon what bars a cleared verdict."""
     not_carried: str | None = None
     """Why the sign-offs of the newest signed run of this campaign before it do not count here, if none does."""
     items: list[Signoff]

@@ -20,6 +20,7 @@ from backend.db.tables import Signoff as Row
 from backend.http.errors import RefusedError, not_found
 from backend.runs.removal import refuse_removed
 from backend.runs.service import require
+from backend.runs.violations import against, ways
 from backend.signoffs.persons import folded, person, signs_as
 from backend.signoffs.schemas import Signoff, SignoffRequest, Signoffs
 from backend.signoffs.standing import UNSIGNED, signatures
@@ -41,6 +42,7 @@ def listed(reader: sa.Connection, run_id: int, visitor: Visitor | None = None) -
         digest=digest,
         can_sign=can_sign,
         texts=texts(reader, [run_id]).of_run(run_id),
+        against=_against(reader, run_id),
         not_carried=signed.not_carried,
         items=items,
     )
@@ -75,6 +77,7 @@ def sign(writer: sa.Connection, run_id: int, review: SignoffRequest, visitor: Vi
     values = {"run_id": run_id, "name": name, "role": review.role, "comment": review.comment, "digest": digest}
     values |= {"user": visitor.user, "account": visitor.account, "created": now(writer)}
     values["texts"] = _reviewed(writer, run_id, review)
+    values["known"] = _known(writer, run_id, review)
     values |= numbers.following(writer, Row)
     signoff_id = writer.execute(sa.insert(Row).values(**values).returning(Row.id)).scalar_one()
     signed = signer(visitor.account, name)
@@ -93,6 +96,24 @@ def _reviewed(writer: sa.Connection, run_id: int, review: SignoffRequest) -> dic
         raise RefusedError(
             "text-changed", f"the text of {other} has changed since the review: read it again, then sign"
         )
+    return now
+
+
+def _against(reader: sa.Connection, run_id: int) -> dict[str, str]:
+    return ways(against(reader, [run_id]).get(run_id, ()))
+
+
+def _known(writer: sa.Connection, run_id: int, review: SignoffRequest) -> dict[str, str] | None:
+    """The runs in whose knowledge it is signed; 409 if the reviewer saw others, 422 without a reason."""
+    if review.against is None:
+        return None
+    now = _against(writer, run_id)
+    if review.against != now:
+        detail = f"which runs speak against {run_name(run_id)} has changed since the review: read it again, then sign"
+        raise RefusedError("results-changed", detail)
+    if now and not review.comment:
+        detail = "other runs speak against this verdict: state in the comment why it is signed off all the same"
+        raise RefusedError("invalid-request", detail, [Problem("comment", "", detail)])
     return now
 
 

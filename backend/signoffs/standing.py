@@ -15,7 +15,7 @@ from backend.db.sweeps import in_sweep
 from backend.db.tables import CampaignRow, Run
 from backend.db.tables import Signoff as Row
 from backend.runs import identity
-from backend.runs.violations import against, clause
+from backend.runs.violations import Found, against, clause, ways
 from backend.signoffs.persons import person
 from backend.signoffs.present import Present, changes, present
 from backend.signoffs.repeats import COLUMNS, CONCLUDED, Repeats
@@ -38,9 +38,11 @@ class Signature:
     owner: str
     """Who launched the signed run."""
     changed: tuple[str, ...]
-    """What speaks against the run and what has changed since, but for texts of requirements."""
+    """What has changed since, but for texts of requirements and for other runs."""
     texts: Texts
     repeated_by: int | None = None
+    speaking: tuple[Found, ...] = ()
+    """The other runs that speak against the run."""
 
     @property
     def own(self) -> bool:
@@ -49,10 +51,17 @@ class Signature:
 
     def reasons(self, requirement: str | None = None) -> Iterator[str]:
         """What makes it suspect as evidence for one requirement, or for all that the run states."""
+        if new := self._speaking(known=False):
+            yield clause(new)
         yield from self.changed
         for key in sorted(self.texts.stated.get(self.on, ())) if requirement is None else (requirement,):
             for text in self.texts.changes(self.on, key, self.row.texts, self.row.created):
                 yield text if requirement is not None else f"{key}: {text}"
+
+    def _speaking(self, known: bool) -> list[Found]:
+        """The runs that speak against it as was known when it was signed, or the others."""
+        then = self.row.known or {}
+        return [o for o in self.speaking if (ways([o]).items() <= then.items()) is known]
 
     def signoff(self, requirement: str | None = None) -> Signoff:
         row = self.row
@@ -94,6 +103,8 @@ class Signature:
             if self.repeated_by is not None:
                 text += f", repeated by {run_name(self.repeated_by)}, bit by bit"
         text += ", by the user who launched the run" if self.own else ""
+        if self.current and (known := self._speaking(known=True)):
+            text += f", although {clause(known)}, as was known"
         return f"suspect: {'; '.join(reasons)} ({text})" if reasons else text
 
 
@@ -145,12 +156,10 @@ def signatures(reader: sa.Connection, run_ids: Collection[int], now: Present | N
         changed = tuple(
             changes(now, run_id, "" if run_id in swept else run.campaign, run.document, identity.of_row(run))
         )
-        if run_id in speaking:
-            changed = (clause(speaking[run_id]), *changed)
         items = [
             Signature(
                 row, run_id, current[row.id], sources[row.run_id].owner, changed, known,
-                newest.get(run_id) if row.run_id == run_id else run_id,
+                newest.get(run_id) if row.run_id == run_id else run_id, tuple(speaking.get(run_id, ())),
             )
             for row in _once(own, carried, current)
         ]  # fmt: skip

@@ -479,6 +479,10 @@ class Signoffs(Answer):
     """The account under which the caller signs; None on a service without accounts, where a name is typed."""
     texts: dict[str, str] = {}
     """The requirements that the run states, by id, with the texts of now: a new sign-off is bound to them."""
+    against: dict[str, str] = {}
+    """How other runs speak against its verdict, by run: it `violates`, it `found` a value at or below the threshold, or
+    it saw `beyond` the horizon what bars a cleared verdict.
+    """
     not_carried: str | None = None
     """Why the sign-offs of the newest signed run of this campaign before it do not count here, if none does."""
     items: list[Signoff]

@@ -158,6 +158,15 @@ function Status({ item, run }: { item: Signoff; run: string }) {
 
 const TITLES = ['Independent review', 'Safety engineer', 'Safety authority', 'Prepared']
 
+/** How another run speaks against the verdict. */
+const WAYS: Record<string, string> = {
+  violates: 'violates the criterion',
+  found: 'found a value at or below the threshold',
+  beyond: 'saw beyond the horizon what bars a cleared verdict',
+}
+
+const stated = (against: Signoffs['against']) => Object.entries(against ?? {}).map(([id, way]) => `${id} ${WAYS[way] ?? way}`).join(', ')
+
 interface SignFormProps {
   run: RunDetail
   /** Summary of exactly what is signed. */
@@ -173,15 +182,16 @@ function SignForm({ run, seen, onDone }: SignFormProps) {
   // Whoever launched a run is not independent of it.
   const [role, setRole] = useState(own ? '' : (TITLES[0] ?? ''))
   const [comment, setComment] = useState('')
-  const [{ digest, texts }, setRead] = useState(seen)
-  const other = digest !== seen.digest || JSON.stringify(texts) !== JSON.stringify(seen.texts)
+  const [{ digest, texts, against }, setRead] = useState(seen)
+  const other = digest !== seen.digest || JSON.stringify([texts, against]) !== JSON.stringify([seen.texts, seen.against])
+  const contradicted = Object.keys(against).length > 0
   const sign = useChange(
-    () => signOff(run.id, { ...(account === null && { name: name.trim() }), role: role.trim(), comment: comment.trim(), digest, texts }),
+    () => signOff(run.id, { ...(account === null && { name: name.trim() }), role: role.trim(), comment: comment.trim(), digest, texts, against }),
     ['signoffs'],
     onDone,
   )
   return (
-    <Form sent={sign} onSend={() => sign.mutate()} send="Sign off" onLeave={onDone} off={(account === null && !name.trim()) || !role.trim()}>
+    <Form sent={sign} onSend={() => sign.mutate()} send="Sign off" onLeave={onDone} off={(account === null && !name.trim()) || !role.trim() || (contradicted && !comment.trim())}>
       <p className="sec">
         You sign the verdict <b>{headlineOf(run)}</b> with its findings and stages, sha256{' '}
         <span className="mono">{digest.slice(0, 16)}</span>
@@ -195,12 +205,19 @@ function SignForm({ run, seen, onDone }: SignFormProps) {
         {own && ` You launched ${run.id}, and the sign-off states that.`}
       </p>
       <Texts of={texts} />
+      {contradicted && (
+        <p className={cards.note}>
+          <b>{stated(against)}.</b> State in the comment why these results
+          are signed off all the same: the sign-off then stands, until another run speaks against them.
+        </p>
+      )}
       {sign.isError && other && (
         <div className={cards.note} role="status">
           <p>
             <b>It is now:</b> sha256 <span className="mono">{seen.digest.slice(0, 16)}</span>
           </p>
           <Texts of={seen.texts} />
+          <p>{stated(seen.against)}</p>
           <Button
             small
             onClick={() => {
@@ -219,7 +236,7 @@ function SignForm({ run, seen, onDone }: SignFormProps) {
           <option key={known} value={known} />
         ))}
       </datalist>
-      <Field label="Comment" value={comment} maxLength={4000} rows={4} onChange={setComment} />
+      <Field label={contradicted ? 'Comment: why it is signed off all the same' : 'Comment'} value={comment} maxLength={4000} rows={4} required={contradicted} onChange={setComment} />
     </Form>
   )
 }

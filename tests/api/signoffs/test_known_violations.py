@@ -27,6 +27,7 @@ CANCELLED: dict[str, Any] = {"state": "cancelled", "verdict": None, "worst_cost"
 MODEL = "on the same question and model"
 VIOLATES, FOUND = f"R-0001 violates the criterion, {MODEL}", f"R-0001 found a value at or below the threshold, {MODEL}"
 BEYOND = f"R-0001 saw beyond the horizon what bars a cleared verdict, {MODEL}"
+MANY = f"R-0001, R-0003, R-0004 and 22 more violate the criterion, {MODEL}."
 UNCONFIRMED = "1 without a verdict that found a value at or below the threshold"
 CASES: dict[str, tuple[Mapping[str, Any], str, str]] = {
     "violated": ({"verdict": "violated"}, VIOLATES, "1 cleared, 1 violated"),
@@ -103,12 +104,38 @@ def test_of_many_runs_a_sentence_names_few_and_the_api_all(service: Service, cli
     for other in range(3, 27):
         copied(service.engine, other)
     (stated, many), detail = listed(), client.get(f"{API}/runs/{run}").json()
-    assert stated[run] == f"R-0001, R-0003, R-0004 and 22 more violate the criterion, {MODEL}."
+    assert stated[run] == MANY
     assert stated[run] == detail["against"]
     assert detail["against_runs"] == ["R-0001", *(f"R-{other:04d}" for other in range(3, 27))]
     assert many == few
     (row,) = client.get(f"{API}/requirements").json()["items"]
     assert row["sentence"].count("R-00") == 4
+
+
+def test_a_sign_off_in_knowledge_of_a_violation_stands_until_another_is_found(
+    service: Service, client: httpx.Client
+) -> None:
+    """For a reason; one that states no such knowledge, as of an earlier client, is suspect."""
+    submit(client, name="renamed", seed=9)
+    finish_fully(service, "violated")
+    run = ran(service, client)
+    address = f"{API}/runs/{run}/signoffs"
+    seen = client.get(address).json()
+    assert seen["against"] == {"R-0001": "violates"}
+    body = {"name": "Ada", "role": "Review", "digest": seen["digest"], "against": seen["against"]}
+    for changes, code in (({}, 422), ({"against": {}, "comment": "x"}, 409)):
+        assert client.post(address, json={**body, **changes}).status_code == code
+    signed = client.post(address, json={**body, "comment": "Mended in the vehicle."}).json()
+    assert (signed["standing"], signed["reasons"]) == ("standing", [])
+    assert VIOLATES in signed["sentence"]
+    assert sign(client, run)["standing"] == "suspect"
+    copied(service.engine, 3)
+    later = client.get(address).json()["items"][0]
+    assert later["standing"] == "suspect"
+    assert later["reasons"] == [VIOLATES.replace("R-0001", "R-0003")]
+    with service.engine.begin() as writer:
+        writer.execute(sa.update(Run).where(Run.id == 3).values(removed=1.0))
+    assert client.get(address).json()["items"][0]["standing"] == "standing"
 
 
 def test_what_was_seen_beyond_the_horizon_bars_what_is_cleared_without_it() -> None:

@@ -1,7 +1,7 @@
-"""the lowest value that validation saw flights come to after the horizon, which no stage stores"""
+"""the lowest value that validation saw beyond the horizon, which no stage stores; what is known when a run is signed"""
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from typing import Any
 
 import sqlalchemy as sa
@@ -16,6 +16,7 @@ _STAGES = sa.table("stages", sa.column("run_id"), sa.column("kind"), sa.column("
 
 def upgrade() -> None:
     op.add_column("runs", sa.Column("later", sa.Double, nullable=True))
+    op.add_column("signoffs", sa.Column("known", sa.JSON, nullable=True))
     connection = op.get_bind()
     validated = sa.select(_STAGES.c.run_id, _STAGES.c.result).where(_STAGES.c.kind == "validate")
     for run_id, result in connection.execute(validated).all():
@@ -23,7 +24,7 @@ def upgrade() -> None:
             connection.execute(sa.update(_RUNS).where(_RUNS.c.id == run_id).values(later=min(values)))
 
 
-def _of_result(result: Mapping[str, Any]) -> Iterator[float]:
+def _of_result(result: Any) -> Iterator[float]:
     beyond = (result.get("encounter") or {}).get("beyond") or {}
     if beyond.get("closer") and beyond.get("lowest"):
         yield beyond["lowest"]["value"]

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from collections import defaultdict
-from collections.abc import Collection, Iterable, Iterator, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import chain
 from typing import Any
@@ -134,7 +134,7 @@ def against(reader: sa.Connection, run_ids: Collection[int]) -> dict[int, list[F
             others[other.question].append(other)
     permit = intending(reader, own, chain.from_iterable(others.values()))
     own = [replace(one, permits=one.run_id in permit) for one in own]
-    stated = {one.run_id: [*_speaking(others[one.question], one)] for one in own}
+    stated = {one.run_id: speaking for one, speaking in _speaking(own, others)}
     return {run_id: speaking for run_id, speaking in stated.items() if speaking}
 
 
@@ -149,13 +149,28 @@ def intending(reader: sa.Connection, own: Iterable[Found], others: Iterable[Foun
     return {run_id for some in cleared for run_id in reader.scalars(of.where(Run.id.in_(some)))}
 
 
-def _speaking(others: Iterable[Found], one: Found) -> Iterator[Found]:
+def _speaking(own: Iterable[Found], others: Mapping[str, list[Found]]) -> Iterator[tuple[Found, list[Found]]]:
+    """Each run with those that speak against it. Compared once for all that are alike: a list has many runs of one
+    question, and most have one identity."""
+    known: dict[tuple[object, ...], list[Found]] = {}
+    equal: dict[tuple[int, int], bool] = {}
+    for one in own:
+        lowest = _lowest(one) if any(o.later is not None for o in others[one.question]) else None
+        key = one.question, id(one.identity), one.threshold, one.verdict, one.permits, lowest
+        if key not in known:
+            known[key] = [*_against(one, others[one.question], equal)]
+        yield one, [o for o in known[key] if o.run_id != one.run_id]
+
+
+def _against(one: Found, others: Iterable[Found], equal: dict[tuple[int, int], bool]) -> Iterator[Found]:
+    """Of runs of its question. equal: whether two identities may be."""
     for other in others:
-        if other.run_id != one.run_id and same_case(other, one):
-            if at_threshold(other, one):
-                yield replace(other, later=None)
-            elif comes_closer(other, one):
-                yield other
+        low, pair = at_threshold(other, one), (id(other.identity), id(one.identity))
+        if low or comes_closer(other, one):
+            if pair not in equal:
+                equal[pair] = may_equal(other.identity, one.identity)
+            if equal[pair]:
+                yield replace(other, later=None) if low and other.later is not None else other
 
 
 def clause(speaking: Sequence[Found]) -> str:
@@ -188,7 +203,13 @@ def sentence_of(reader: sa.Connection, run_id: int) -> str:
 
 def sentences(reader: sa.Connection, run_ids: Collection[int]) -> dict[int, str]:
     """The same of each of these, by run, without those that nothing speaks against."""
-    return {run_id: f"{clause(speaking)}." for run_id, speaking in against(reader, run_ids).items()}
+    found, known = dict[int, str](), dict[tuple[tuple[int, bool], ...], str]()
+    for run_id, speaking in against(reader, run_ids).items():
+        key = tuple((one.run_id, one.later is None) for one in speaking)
+        if key not in known:
+            known[key] = f"{clause(speaking)}."
+        found[run_id] = known[key]
+    return found
 
 
 def named(runs: Sequence[int]) -> str:

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from collections import defaultdict
-from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import chain
 from typing import Any
@@ -134,7 +134,8 @@ def against(reader: sa.Connection, run_ids: Collection[int]) -> dict[int, list[F
             others[other.question].append(other)
     permit = intending(reader, own, chain.from_iterable(others.values()))
     own = [replace(one, permits=one.run_id in permit) for one in own]
-    stated = {one.run_id: speaking for one, speaking in _speaking(own, others)}
+    equal: dict[tuple[int, int], bool] = {}
+    stated = {one.run_id: [*_speaking(one, others[one.question], equal)] for one in own}
     return {run_id: speaking for run_id, speaking in stated.items() if speaking}
 
 
@@ -149,35 +150,25 @@ def intending(reader: sa.Connection, own: Iterable[Found], others: Iterable[Foun
     return {run_id for some in cleared for run_id in reader.scalars(of.where(Run.id.in_(some)))}
 
 
-def _speaking(own: Iterable[Found], others: Mapping[str, list[Found]]) -> Iterator[tuple[Found, list[Found]]]:
-    """Each run with those that speak against it. Compared once for all that are alike: a list has many runs of one
-    question, and most have one identity."""
-    known: dict[tuple[object, ...], list[Found]] = {}
-    equal: dict[tuple[int, int], bool] = {}
-    for one in own:
-        lowest = _lowest(one) if any(o.later is not None for o in others[one.question]) else None
-        key = one.question, id(one.identity), one.threshold, one.verdict, one.permits, lowest
-        if key not in known:
-            known[key] = [*_against(one, others[one.question], equal)]
-        yield one, [o for o in known[key] if o.run_id != one.run_id]
-
-
-def _against(one: Found, others: Iterable[Found], equal: dict[tuple[int, int], bool]) -> Iterator[Found]:
-    """Of runs of its question. equal: whether two identities may be."""
+def _speaking(one: Found, others: Iterable[Found], equal: dict[tuple[int, int], bool]) -> Iterator[Found]:
+    """Of runs of its question. equal: whether two identities may be, filled here, because most runs of a list share
+    one."""
     for other in others:
         low, pair = at_threshold(other, one), (id(other.identity), id(one.identity))
-        if low or comes_closer(other, one):
-            if pair not in equal:
-                equal[pair] = may_equal(other.identity, one.identity)
-            if equal[pair]:
-                yield replace(other, later=None) if low and other.later is not None else other
+        if other.run_id == one.run_id or not (low or comes_closer(other, one)):
+            continue
+        if pair not in equal:
+            equal[pair] = may_equal(other.identity, one.identity)
+        if equal[pair]:
+            yield replace(other, later=None) if low and other.later is not None else other
 
 
 def clause(speaking: Sequence[Found]) -> str:
     """That these speak against a run, for a sentence on it."""
-    violated, lower, later = (
-        [one.run_id for one in speaking if _way(one) == way] for way in ("violates", "found", "beyond")
-    )
+    by: dict[str, list[int]] = defaultdict(list)
+    for one in speaking:
+        by[_way(one)].append(one.run_id)
+    violated, lower, later = (by[way] for way in ("violates", "found", "beyond"))
     verb = "violates" if len(violated) == 1 else "violate"
     parts = [f"{named(violated)} {verb} the criterion"] if violated else []
     parts += [f"{named(lower)} found a value at or below the threshold"] if lower else []
@@ -203,13 +194,7 @@ def sentence_of(reader: sa.Connection, run_id: int) -> str:
 
 def sentences(reader: sa.Connection, run_ids: Collection[int]) -> dict[int, str]:
     """The same of each of these, by run, without those that nothing speaks against."""
-    found, known = dict[int, str](), dict[tuple[tuple[int, bool], ...], str]()
-    for run_id, speaking in against(reader, run_ids).items():
-        key = tuple((one.run_id, one.later is None) for one in speaking)
-        if key not in known:
-            known[key] = f"{clause(speaking)}."
-        found[run_id] = known[key]
-    return found
+    return {run_id: f"{clause(speaking)}." for run_id, speaking in against(reader, run_ids).items()}
 
 
 def named(runs: Sequence[int]) -> str:

@@ -174,7 +174,7 @@ interface SignFormProps {
   onDone: () => void
 }
 
-function SignForm({ run, seen, onDone }: SignFormProps) {
+export function SignForm({ run, seen, onDone }: SignFormProps) {
   const session = useQuery(sessionQuery).data
   const [name, setName] = useState('')
   const own = session !== undefined && session.account === run.owner

@@ -103,6 +103,7 @@ def test_the_audit_has_the_same_limits() -> None:
         "GRANTED",
         "NEAREST",
         "EACH",
+        "STANDING",
         "CLEARING",
         "BOTTOM",
         "TOP",

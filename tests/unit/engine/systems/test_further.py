@@ -279,7 +279,7 @@ def test_what_comes_straight_to_where_a_vehicle_that_slows_down_stands_is_not_kn
 ) -> None:
     straight = replace(moving_circle.component, name="own", rate=Rate(times=0.0))
     install(straight, moving_circle, monkeypatch)
-    monkeypatch.setattr(further, "going", lambda *_: further.Remaining(3.0 * HORIZON, half=0.5 * HORIZON))
+    monkeypatch.setattr(further, "going", lambda *_: further.Remaining(3.0 * HORIZON))
     here, velocity = under_way()
     stands, across = here + 3.0 * HORIZON * velocity, 4.0 * np.array([-velocity[1], velocity[0]])
     begin = stands - (2.0 + passes) * HORIZON * across

@@ -64,7 +64,8 @@ def remaining(flights: Flights, row: Floats, trace: Floats, last: int, halfway: 
     states = np.ascontiguousarray(trace[last % every : last + 1 : every])
     places = Seen(flights, flights.loop.observe(states, row, each, 0), row).positions
     pair = Seen(flights, flights.loop.observe(trace[last - 1 : last + 1], row, flights.step, last - 1), row).positions
-    return Remaining() if at_rest(pair, flights) else going(places, (last - halfway) // every, each)
+    found = Remaining() if at_rest(pair, flights) else going(places, (last - halfway) // every, each)
+    return found._replace(half=0.5 * flights.campaign.given_scenario.horizon)
 
 
 def going(places: Floats, late: int, each: float) -> Remaining:
@@ -83,10 +84,10 @@ def going(places: Floats, late: int, each: float) -> Remaining:
     turned, later = _turned(places[-1 - len(moved) :]), _turned(places[-1 - middle :])
     steady = turned >= STEADY[1] and later >= STEADY[0] * turned
     if not 0 < middle < end or not moved[0] > moved[middle] > moved[end]:
-        return Remaining(math.inf, turned=turned, steady=steady, half=len(moved) * each)
+        return Remaining(math.inf, turned=turned, steady=steady)
     # A speed that falls by the same fraction in every interval; by the smaller one of both halves, which gets farther.
     first, second = (math.log(moved[a] / moved[b]) / (b - a) for a, b in ((0, middle), (middle, end)))
-    return Remaining(each / min(first, second), turned=turned, steady=steady, half=len(moved) * each)
+    return Remaining(each / min(first, second), turned=turned, steady=steady)
 
 
 def _turned(places: Floats) -> float:

@@ -1,5 +1,5 @@
-"""Large samples from the form to their verdicts, of a ground robot and of an aircraft: the bound is watched as it falls,
-the worker is killed in the middle, and it ends at what so many flights without a violation show."""
+"""Large samples from the form to their verdicts, of a ground robot and of an aircraft: the bound is watched as it
+falls, the worker is killed in the middle, and it ends at what so many flights without a violation show."""
 
 from __future__ import annotations
 
@@ -39,9 +39,7 @@ def shown(text: str) -> float:
 
 
 @pytest.mark.parametrize("name", CASES)
-def test_a_small_bound_is_watched_and_outlives_its_worker(
-    service: Service, signed_in: Visit, name: str
-) -> None:
+def test_a_small_bound_is_watched_and_outlives_its_worker(service: Service, signed_in: Visit, name: str) -> None:
     page, (samples, bound) = signed_in.page, CASES[name]
     signed_in.move("/launch")
     page.locator(f"#case-{name}").check()

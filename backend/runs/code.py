@@ -13,7 +13,7 @@ from backend.runs.schemas import ChangedFile, CodeChanges
 from campaigns import Campaign
 from campaigns.asked.requirements import definition
 from campaigns.checked.check import parts
-from campaigns.identity.identity import UNSTORED, Change, Identity
+from campaigns.identity.identity import UNSTORED, Change, Identity, may_equal
 from campaigns.versions import differing
 
 
@@ -34,6 +34,7 @@ def changes(reader: sa.Connection, run_id: int, against: int) -> CodeChanges:
         against=then.digest,
         changes=[one.text for one in found],
         unidentified=list(dict.fromkeys(then.unidentified + now.unidentified)),
+        same_model=may_equal(then, now),
         files=None if (files := _modules(reader, then, now, used, same)) is None else own + files,
     )
 

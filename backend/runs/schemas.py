@@ -336,6 +336,8 @@ class CodeChanges(Schema):
     """What differs, as clauses: engine, own files, packages."""
     unidentified: list[str]
     """What of the two was not stored or cannot be read exactly, and may differ."""
+    same_model: bool
+    """Whether both may have evaluated the same model: false only if a file of it is known to differ."""
     files: list[ChangedFile] | None
     """The source files that differ, own files and those of the campaign's components and methods first; None unless
     the files of both engines are stored."""

@@ -23,13 +23,14 @@ from backend.http.keys import Keyed
 from backend.runs import edits
 from backend.runs.outcomes import outcomes
 from backend.runs.quota import Quota, refuse_beyond
+from backend.sweeps import code
 from backend.sweeps.schemas import PURGED, SweepDetail, SweepPoint, SweepSubmit, SweepSummary
 from campaigns import Campaign, CampaignError, Catalogue, Problem, check
 from campaigns.asked.load import load_document
 from campaigns.catalogue import ParameterEntry
 from campaigns.checked import texts
 from campaigns.checked.check import parameters
-from campaigns.runs import run_name, sweep_name, sweep_number
+from campaigns.runs import RunState, run_name, sweep_name, sweep_number
 from campaigns.stages.plan import most
 
 LONGEST = 120
@@ -130,11 +131,12 @@ def listed(reader: sa.Connection, limit: int) -> list[SweepSummary]:
     members: dict[int, list[sa.Row[int, str, str | None, float | None]]] = {row["id"]: [] for row in rows}
     for member in reader.execute(of.where(SweepRun.sweep_id.in_(list(members)))):
         members[member.sweep_id].append(member)
+    codes = code.of_sweeps(reader, members)
     found = []
     for row in rows:
         own = members[row["id"]]
         pairs = [(one.state, one.verdict) if one.purged is None else (PURGED, None) for one in own]
-        found.append(_summary(row, pairs))
+        found.append(_summary(row, pairs, codes[row["id"]]))
     return found
 
 
@@ -150,7 +152,8 @@ def detail(reader: sa.Connection, sweep_id: int) -> SweepDetail:
         for member in members
     ]
     ends = [point.outcome for point in points]
-    summary = _summary(row, [(PURGED, None) if end is None else (end.state, end.verdict) for end in ends])
+    codes = Counter(end.code for end in ends if end is not None and end.state == RunState.DONE)
+    summary = _summary(row, [(PURGED, None) if end is None else (end.state, end.verdict) for end in ends], codes)
     return SweepDetail(**dict(summary), nominal=row["nominal"], points=points)
 
 
@@ -166,11 +169,13 @@ def cancel(engine: sa.Engine, sweep_id: int, visitor: Visitor) -> SweepDetail:
     return ask(engine, lambda reader: detail(reader, sweep_id))
 
 
-def _summary(row: sa.RowMapping, found: list[tuple[str, str | None]]) -> SweepSummary:
-    """found: state and verdict of each of its runs."""
+def _summary(row: sa.RowMapping, found: list[tuple[str, str | None]], codes: Counter[str | None]) -> SweepSummary:
+    """found: state and verdict of each of its runs; codes: how many runs that are done have each code."""
     same = ("name", "campaign_name", "path", "title", "unit", "owner", "token", "created")
     states = dict(Counter(word for pair in found for word in pair if word is not None))
-    return SweepSummary(id=sweep_name(row["id"]), **{name: row[name] for name in same}, runs=len(found), states=states)
+    values = {name: row[name] for name in same}
+    warning = code.warning(codes)
+    return SweepSummary(id=sweep_name(row["id"]), **values, runs=len(found), states=states, code_warning=warning)
 
 
 SOURCE = "request"

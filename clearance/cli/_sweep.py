@@ -72,7 +72,7 @@ def sweep(
     except (KeyboardInterrupt, UnreachableError):
         typer.echo(f"{found.id} continues in the background: {page}", err=True)
         raise
-    typer.echo(json.dumps(found.document, indent=2) if as_json else "\n".join(_line(found, p) for p in found.points))
+    typer.echo(json.dumps(found.document, indent=2) if as_json else "\n".join(_lines(found)))
     if out is not None:
         save(out, lambda folder: service.export_sweep(found, folder / TABLE))
         typer.echo(f"{TABLE} in {out}", err=True)
@@ -87,6 +87,11 @@ def _followed(service: Client, sweep: Sweep, quiet: bool) -> Sweep:
             typer.echo(line, err=True)
         before = line
     return found
+
+
+def _lines(found: Sweep) -> list[str]:
+    """One for each run, then what holds for all."""
+    return [*(_line(found, point) for point in found.points), *filter(None, [found.code_warning])]
 
 
 def _line(found: Sweep, point: SweepPoint) -> str:

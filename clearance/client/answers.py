@@ -616,6 +616,10 @@ class Sweep(SweepAnswer):
     runs: int
     states: dict[str, int]
     """The numbers of its runs by state and by verdict; those of which the results were purged as `purged`."""
+    code_warning: str | None = None
+    """That its runs that are done were run by different code, or that it may differ because it is not identified,
+    sentences; empty if all of them have the same.
+    """
     nominal: float | None = None
     """The parameter's value in the campaign."""
     points: list[SweepPoint]

@@ -1,7 +1,7 @@
 // Charts of outcomes: a run that is not done has no number and is marked at its position.
 import { expect, it } from 'vitest'
 import type { Outcome } from '../client'
-import { type At, boundName, boundsOf, codesOf, commonOf, fractionOf, kindsOf, marginsOf, observedName, sampleOf, spoken } from './outcomes'
+import { type At, boundName, boundsOf, commonOf, fractionOf, kindsOf, marginsOf, observedName, sampleOf, spoken } from './outcomes'
 import { valueText } from './spec'
 
 const outcome = (more: Partial<Outcome> = {}): Outcome => ({
@@ -92,5 +92,4 @@ it('says every run in words', () => {
   expect(sampleOf(outcome({ violations: 3, failed_samples: 2 }))).toBe('3 of 3\u202f000, 2 failed')
   expect([observedName(points), observedName([{ x: 1, run: '', outcome: outcome({ failed_samples: 1 }) }])]).toEqual(['Observed fraction', 'Violating or failed fraction'])
   expect([sampleOf(null), sampleOf(outcome(bare)), fractionOf(outcome({ samples: 0 }))]).toEqual(['', '', null])
-  expect(codesOf([...points, { x: 8, run: '', outcome: outcome({ code: 'b' }) }, { x: 9, run: '', outcome: outcome({ code: null }) }])).toEqual(['a', 'b'])
 })

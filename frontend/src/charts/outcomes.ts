@@ -118,11 +118,6 @@ export function sampleOf(outcome: Outcome | null): string {
   return `${fixed(outcome.violations, 0)} of ${fixed(outcome.samples, 0)}${failed}`
 }
 
-/** The codes that ran runs which are done. */
-export const codesOf = (points: readonly At[]): string[] => [
-  ...new Set(points.flatMap(({ outcome }) => (outcome?.state === 'done' && outcome.code ? [outcome.code] : []))),
-]
-
 /** For screen readers: every run in words. */
 export const spoken = (points: readonly At[], name: (point: At) => string): string =>
   points

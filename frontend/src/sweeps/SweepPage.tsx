@@ -7,10 +7,10 @@ import { useState } from 'react'
 import { cancelSweep, getSweep } from '../api/calls'
 import { useBarredFromOwn } from '../api/may'
 import { ChartCard } from '../charts/ChartCard'
-import { type At, codesOf, sampleOf } from '../charts/outcomes'
+import { type At, sampleOf } from '../charts/outcomes'
 import { OutcomesChart } from '../charts/OutcomesChart'
 import type { SweepDetail } from '../client'
-import { count, field, plain } from '../format/numbers'
+import { field, plain } from '../format/numbers'
 import { launchedBy } from '../format/people'
 import { moment } from '../format/time'
 import { ofUnit, unitText } from '../format/units'
@@ -42,8 +42,6 @@ export function SweepPage() {
 function Shown({ sweep }: { sweep: SweepDetail }) {
   const points = sweep.points.map(({ value, run, outcome }): At => ({ x: value, run, outcome }))
   const unit = unitText(sweep.unit)
-  const codes = codesOf(points)
-  const unidentified = points.filter(({ outcome }) => outcome?.state === 'done' && outcome.code === null).length
   const axis = {
     xTitle: `${sweep.path}${ofUnit(unit)}`,
     xText: (x: number) => `${sweep.path} = ${plain(x)} ${unit}`.trim(),
@@ -71,15 +69,9 @@ function Shown({ sweep }: { sweep: SweepDetail }) {
         <ButtonAnchor icon={IconDownload} href={at(`/api/v1/sweeps/${sweep.id}/table.csv`)} download>CSV</ButtonAnchor>
         {activeOf(sweep.states) > 0 && <Cancel sweep={sweep} />}
       </PageHead>
-      {codes.length > 1 && (
+      {sweep.code_warning && (
         <div className={clsx(cards.note, cards.warn)} style={{ marginBottom: 'var(--gap)' }}>
-          The code changed while the sweep ran: {codes.length} codes ran its runs. Differences between the values may come
-          from the code.
-        </div>
-      )}
-      {codes.length === 1 && unidentified > 0 && (
-        <div className={clsx(cards.note, cards.warn)} style={{ marginBottom: 'var(--gap)' }}>
-          The code of {unidentified === 1 ? 'one run is' : `${count(unidentified)} runs is`} not identified, so it may differ from that of the others.
+          {sweep.code_warning}
         </div>
       )}
       <div className={layout.grid}>

@@ -40,7 +40,7 @@ export function SweepsPage() {
             columns={[
               {
                 head: 'Sweep',
-                cell: ({ id, name, campaign_name }) => (
+                cell: ({ id, name, campaign_name, code_warning }) => (
                   <span className={tables.rn}>
                     <Link to="/sweeps/$id" params={{ id }}>
                       {name}
@@ -49,6 +49,7 @@ export function SweepsPage() {
                       {id}
                       {campaign_name !== name && ` · ${campaign_name}`}
                     </small>
+                    {code_warning && <small>{code_warning}</small>}
                   </span>
                 ),
               },

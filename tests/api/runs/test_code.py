@@ -154,6 +154,7 @@ def test_two_runs_of_one_campaign_name_the_files_of_their_code_that_differ(
         return dict(answer.json())
 
     found = told(runs[1], runs[0])
+    assert (found["same_model"], told(runs[0], runs[0])["same_model"]) == (False, True)
     then, now = IDENTITY, identity_of(VERSIONS.model_copy(update={"code": other.digest}), "")
     assert (found["code"], found["against"], found["unidentified"]) == (now.digest, then.digest, [])
     assert found["changes"] == [
@@ -168,7 +169,7 @@ def test_two_runs_of_one_campaign_name_the_files_of_their_code_that_differ(
     assert [file["change"] for file in told(runs[0], runs[1])["files"]] == ["changed", "removed", "removed"]  # type: ignore[attr-defined]
     assert told(runs[0], runs[0])["files"] == []
     waiting = {"code": None, "against": IDENTITY.digest, "changes": [], "unidentified": ["engine"], "files": None}
-    assert told(runs[2], runs[0]) == waiting, "it has not started"
+    assert told(runs[2], runs[0]) == {**waiting, "same_model": True}, "it has not started"
     assert client.get(f"/api/v1/runs/{runs[0]}/code", params={"against": "R-9999"}).status_code == 404
     assert client.get(f"/api/v1/runs/{runs[0]}/code", params={"against": "../x"}).status_code == 404
     assert client.get(f"/api/v1/runs/{runs[0]}/code").status_code == 422

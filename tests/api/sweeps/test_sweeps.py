@@ -21,6 +21,7 @@ from campaigns.results.verdict import headline
 from clearance.cli import _sweep
 from clearance.cli._following import plain
 from clearance.client.answers import Sweep
+from tests.given.code_versions import OTHER, VERSIONS
 from tests.given.databases import BOTH
 from tests.given.finished_runs import Work, finish
 from tests.given.problem_documents import problem
@@ -194,6 +195,31 @@ def test_a_removed_run_is_stated_in_the_table(service: Service, client: httpx.Cl
     ]  # fmt: skip
     points = client.get("/api/v1/sweeps/S-0001").json()["points"]
     assert [point["outcome"]["removed"] for point in points] == [True, False]
+
+
+CODES: dict[str, tuple[dict[str, Any], str]] = {
+    "the same": ({}, ""),
+    "different": ({"flown": {**VERSIONS.model_dump(mode="json"), "code": OTHER.digest}}, "2 codes ran its runs"),
+    "not identified": ({"flown": None}, "The code of one run is not identified"),
+}
+"""What the last run of a sweep has stored of its code, and what is stated of all."""
+
+
+@BOTH
+def test_runs_of_different_code_are_stated_wherever_a_sweep_is(service: Service, client: httpx.Client) -> None:
+    launch(client, values=[1.0, 2.0, 3.0])
+    for _ in range(2):
+        finish_fully(service)
+    other = launch(client, values=[1.0, 2.0])["id"]
+    for values, statement in CODES.values():
+        with changed(service.engine, sa.update(Run).where(Run.id == 2).values(**(values or {"name": "x"}))):
+            found = client.get("/api/v1/sweeps/S-0001").json()
+            listed = {one["id"]: one["code_warning"] for one in client.get("/api/v1/sweeps").json()}
+        assert statement in found["code_warning"]
+        assert bool(found["code_warning"]) == bool(statement)
+        assert listed == {"S-0001": found["code_warning"], other: ""}
+        lines = _sweep._lines(Sweep.model_validate(found))
+        assert lines[3:] == ([found["code_warning"]] if statement else [])
 
 
 def test_a_sweep_is_cancelled_as_a_whole(service: Service, client: httpx.Client) -> None:

@@ -2,15 +2,15 @@
 import { decimalsFor, margin, NONE, plain, signed } from '../format/numbers'
 import { Card } from '../ui/Card'
 import { Table } from '../ui/Table'
-import { type Compared, unitOf } from './data'
+import { type Compared, haveDifferences, unitOf } from './data'
 import { APART, type Case, matched } from './matching'
-import { apartColumn, runColumns } from './Picks'
+import { apartColumn, foundColumns } from './Picks'
 
 export function FindingMargins({ runs }: { runs: Compared[] }) {
   const unit = unitOf(runs)
   const placed = matched(runs)
   const cases = placed ?? ranked(runs)
-  const two = runs.length === 2 && unit !== null && placed !== null
+  const two = haveDifferences(runs) && placed !== null
   const decimals = decimalsFor(cases.flat().flatMap((finding) => finding?.margin ?? []))
   const how = placed
     ? `the same case: no parameter further apart than ${plain(100 * APART)} % of its range`
@@ -26,7 +26,7 @@ export function FindingMargins({ runs }: { runs: Compared[] }) {
         rows={cases}
         row={(one) => ({ 'data-case': one.map((finding) => finding?.label ?? '').join(' ') })}
         columns={[
-          ...runColumns<Case>(
+          ...foundColumns<Case>(
             runs,
             (one, k) => <Margin finding={one[k]} decimals={decimals} />,
             (one, k) => (one[k]?.margin ?? 1) <= 0 && 'bad-t b',

@@ -5,9 +5,9 @@ import { MethodName } from '../ui/MethodMark'
 import { useMethodLook } from '../ui/methods'
 import { Sign } from '../ui/Sign'
 import { Table } from '../ui/Table'
-import { type Compared, unitOf } from './data'
+import { type Compared, haveDifferences, unitOf } from './data'
 import { AxisHead, axisOf, Mark, MarkKeys } from './marks'
-import { apartColumn, runColumns } from './Picks'
+import { apartColumn, foundColumns } from './Picks'
 import { figures } from '../ui/styles'
 
 const [WIDTH, EDGE] = [280, 10]
@@ -21,7 +21,7 @@ interface Row {
 export function Methods({ runs, className }: { runs: Compared[]; className: string | undefined }) {
   const methodLook = useMethodLook()
   const unit = unitOf(runs)
-  const two = runs.length === 2 && unit !== null
+  const two = haveDifferences(runs)
   const bests = runs.map(bestsOf)
   const methods = [...new Set(bests.flatMap((found) => [...found.keys()]))]
   const values = bests.flatMap((found) => [...found.values()])
@@ -47,7 +47,7 @@ export function Methods({ runs, className }: { runs: Compared[]; className: stri
         row={({ method }) => ({ 'data-method': method })}
         columns={[
           { head: 'Method', cell: ({ method }) => <MethodName method={method} /> },
-          ...runColumns<Row>(
+          ...foundColumns<Row>(
             runs,
             ({ method, values }, k) => (values[k] == null ? <span className="mut">{absent(runs[k], method)}</span> : fixed(values[k], decimals)),
             ({ values }, k) => isBad(values[k], runs[k]) && 'bad-t',

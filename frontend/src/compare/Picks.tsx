@@ -8,7 +8,7 @@ import { type ReactNode, useState } from 'react'
 import { listRuns } from '../api/calls'
 import type { Column } from '../ui/Table'
 import { RunBadge } from '../ui/VerdictBadge'
-import type { Compared, Comparison } from './data'
+import { type Compared, type Comparison, isDone } from './data'
 import { MOST, withRun } from './search'
 import { IconButton } from '../ui/IconButton'
 import { cards, layout, tables } from '../ui/styles'
@@ -77,6 +77,12 @@ export const runColumns = <T,>(
   tone?: (row: T, run: number) => string | false | undefined,
 ): Column<T>[] =>
   runs.map(({ letter }, k) => ({ head: <Letter of={letter} />, num: true, tone: (row) => tone?.(row, k), cell: (row) => cell(row, k) }))
+
+/** The same of what a search found: of a run that is not done, only what it has found so far. */
+export const foundColumns = <T,>(runs: readonly Compared[], ...cells: Tail<Parameters<typeof runColumns<T>>>): Column<T>[] =>
+  runColumns<T>(runs, ...cells).map((column, k) => (isDone(runs[k]) ? column : { ...column, head: <>{column.head} <span className="mut small">so far</span></> }))
+
+type Tail<All extends unknown[]> = All extends [unknown, ...infer Rest] ? Rest : never
 
 /** The column of the difference of two runs. */
 export const apartColumn = <T,>(cell: (row: T) => ReactNode): Column<T> => ({ head: 'B minus A', num: true, tone: 'b', cell })

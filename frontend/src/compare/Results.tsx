@@ -6,8 +6,8 @@ import { Card } from '../ui/Card'
 import { Sign } from '../ui/Sign'
 import { Table } from '../ui/Table'
 import { RunBadge } from '../ui/VerdictBadge'
-import { boundOf, boundConditionsOf, type Compared, unitOf } from './data'
-import { apartColumn, runColumns } from './Picks'
+import { boundOf, boundConditionsOf, type Compared, haveDifferences, unitOf } from './data'
+import { apartColumn, foundColumns } from './Picks'
 
 interface Line {
   key: string
@@ -19,8 +19,8 @@ interface Line {
   bad?: (value: number) => boolean
   /** How a value is written; by default with the line's decimals. */
   text?: (value: number | null, decimals: number) => string
-  /** How the difference of two values is written; by default with the line's decimals. */
-  apart?: (difference: number) => string
+  /** How the difference of two values is written, by default with the line's decimals; null if they have none. */
+  apart?: ((difference: number) => string) | null
   /** The total of each value, if totals differ: then no difference is shown. */
   outOf?: (number | null)[]
   /** What follows a value, if anything. */
@@ -28,7 +28,7 @@ interface Line {
 }
 
 export function Results({ runs }: { runs: Compared[] }) {
-  const two = runs.length === 2 && unitOf(runs) !== null
+  const two = haveDifferences(runs)
   return (
     <Card title="Results" flush id="results">
       <Table
@@ -36,7 +36,7 @@ export function Results({ runs }: { runs: Compared[] }) {
         row={({ key }) => ({ 'data-row': key })}
         columns={[
           { head: '', cell: ({ name, unit }) => <>{name} <span className="mut small">{unit}</span></> },
-          ...runColumns<Line>(
+          ...foundColumns<Line>(
             runs,
             (line, k) => <Value line={line} run={k} />,
             ({ values, bad }, k) => values[k] != null && bad?.(values[k]) && 'bad-t b',
@@ -71,7 +71,7 @@ function Value({ line: { values, decimals, text = fixed, outOf, notes }, run }: 
 }
 
 function apartText({ values: [a, b], outOf, decimals, apart }: Line): string {
-  if (typeof a !== 'number' || typeof b !== 'number' || outOf) return NONE
+  if (typeof a !== 'number' || typeof b !== 'number' || outOf || apart === null) return NONE
   return apart ? apart(b - a) : signed(b - a, decimals)
 }
 
@@ -83,6 +83,8 @@ function linesOf(runs: Compared[]): Line[] {
   const statistics = runs.map(({ run }) => run.summary?.statistics ?? null)
   const sizes = [...new Set(statistics.flatMap((sample) => (sample ? [sample.samples] : [])))]
   const confidences = [...new Set(statistics.flatMap((sample) => sample?.confidence ?? []))]
+  const level = new Set(runs.map(({ run }) => run.threshold)).size === 1
+  const percent = (difference: number) => `${difference > 0 ? '+' : ''}${probability(difference)}`
   return [
     { key: 'worst', name: <>Worst <Sign text={quantity} /></>, unit, decimals, values: runs.map(({ run }) => run.worst_cost) },
     { key: 'criterion', name: 'Criterion', unit, decimals, values: runs.map(({ run }) => run.threshold), text: (limit) => exact(limit), apart: (by) => `${by > 0 ? '+' : ''}${plain(by)}` },
@@ -96,6 +98,7 @@ function linesOf(runs: Compared[]): Line[] {
       outOf: sizes.length > 1 ? statistics.map((sample) => sample?.samples ?? null) : undefined,
       decimals: 0,
       values: statistics.map((sample) => sample?.violations ?? null),
+      apart: level ? undefined : null,
       bad: (v) => v > 0,
     },
     {
@@ -106,7 +109,7 @@ function linesOf(runs: Compared[]): Line[] {
       values: runs.map(boundOf),
       notes: runs.map(boundConditionsOf),
       text: (bound) => atMost(bound),
-      apart: (difference) => `${difference > 0 ? '+' : ''}${probability(difference)}`,
+      apart: level && confidences.length === 1 ? percent : null,
     },
     { key: 'closest', name: 'Closest approach at', unit: 's', decimals: 2, values: runs.map(({ worst }) => worst?.meta.closest?.time ?? null) },
     { key: 'evaluations', name: 'Evaluations', unit: '', decimals: 0, values: runs.map(({ run }) => run.evaluations) },

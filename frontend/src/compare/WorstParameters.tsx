@@ -6,7 +6,7 @@ import { Card } from '../ui/Card'
 import { Sign } from '../ui/Sign'
 import { Table } from '../ui/Table'
 import { type Compared, parameterOf } from './data'
-import { runColumns } from './Picks'
+import { foundColumns } from './Picks'
 
 export function WorstParameters({ runs }: { runs: Compared[] }) {
   const paths = [...new Set(runs.flatMap(({ parameters }) => parameters.map((p) => p.path)))]
@@ -25,7 +25,7 @@ export function WorstParameters({ runs }: { runs: Compared[] }) {
               </>
             ),
           },
-          ...runColumns<(typeof rows)[number]>(runs, ({ values }, k) => plain(values[k], 5)),
+          ...foundColumns<(typeof rows)[number]>(runs, ({ values }, k) => plain(values[k], 5)),
           { head: 'Within bounds', cell: ({ path, values }) => <Places runs={runs} path={path} values={values} /> },
         ]}
       />

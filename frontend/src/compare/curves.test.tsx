@@ -122,6 +122,6 @@ it('writes no margin as zero that is not, in the sentence and by finding', () =>
       parameters: [{ path: 'm', symbol: 'm', unit: 'kg', text: '', nominal: 5, low: 4, high: 6 }],
     })
   const runs = [one('A', -4e-7), one('B', 1)]
-  expect(text(<Change runs={runs} />)).toContain('the margin goes from −4e−7 to +1.00')
+  expect(text(<Change runs={runs} />)).toContain('the margin is −4e−7 m in A and +1.00')
   expect(text(<FindingMargins runs={runs} />)).toContain('F1 −4e−7 ')
 })

@@ -94,3 +94,10 @@ export function unitOf(runs: readonly Compared[]): string | null {
   const same = runs.every(({ run }) => run.unit === first.run.unit && run.quantity === first.run.quantity)
   return same ? first.run.unit : null
 }
+
+/** Whether a run has ended with all that it computes; the numbers of any other are of an incomplete search. */
+export const isDone = (of: Compared | undefined): boolean => of?.run.state === 'done'
+
+/** Whether there are differences to state: of two runs that are done, with the same quantity. */
+export const haveDifferences = (runs: readonly Compared[]): boolean =>
+  runs.length === 2 && unitOf(runs) !== null && runs.every(isDone)

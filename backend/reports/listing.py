@@ -42,6 +42,7 @@ def _report(reader: sa.Connection, run: RunSummary, unavailable: str | None, sig
         verdict=run.verdict,
         not_sampled=run.not_sampled,
         earlier_rules=run.earlier_rules,
+        against=run.against,
         policy=run.policy,
         finished=run.finished,
         digest=digest,

@@ -37,6 +37,8 @@ class Report(Schema):
     earlier_rules: bool
     """Whether it is cleared by the rules of an earlier version, and `clearance audit` names what does not hold by those
     of today."""
+    against: str
+    """As of the run: which others speak against its verdict, a sentence; empty if none does."""
     policy: PolicyWord | None
     """What the campaign's policy says of the changes since the baseline: `holds`; `fails`, which is exit code 1
     whatever the verdict; `accepts`, a violated run whose violations were all known. None without a comparison.

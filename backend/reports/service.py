@@ -104,7 +104,7 @@ def _context(record: Record) -> dict[str, object]:
         "version": VERSION,
         "verdict": {
             "tone": tone,
-            "word": headline(word, run, run.policy),
+            "word": headline(word, run, run.policy, run.against),
             "icon": icon,
             "sentence": sentence,
             "error": run.error,

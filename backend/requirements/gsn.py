@@ -140,7 +140,7 @@ def _context(nodes: Nodes, name: str, run: RequirementRun, claims: Mapping[str, 
 
 
 def _leaf(run: RequirementRun, claims: Mapping[str, str], address: str) -> Element:
-    parts = [f"{run.id} is {headline(run.verdict or run.state, run, None)}"]
+    parts = [f"{run.id} is {headline(run.verdict or run.state, run, None, run.against)}"]
     if run.margin is not None:
         parts.append(f"worst margin {signed(run.margin)} {run.unit}".strip())
     if run.policy == "fails":

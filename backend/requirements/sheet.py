@@ -64,7 +64,7 @@ def _run(run: RequirementRun) -> list[object]:
     numbers = (run.threshold, run.worst_cost, run.margin, run.upper_bound)
     signed = "; ".join(f"{signed_by(s)}, {_date(s.created)}, {s.sentence}" for s in run.signoffs)
     return [
-        run.id, run.part, run.campaign_name, headline(run.verdict or run.state, run, None),
+        run.id, run.part, run.campaign_name, headline(run.verdict or run.state, run, None, run.against),
         run.quantity, run.unit,
         *("" if number is None else repr(number) for number in numbers), run.campaign_digest, run.code or "",
         run.evidence_digest or "",

@@ -12,7 +12,7 @@ import sqlalchemy as sa
 
 from backend.db.tables import CampaignRow, Run
 from backend.http.schema import Instant, Schema
-from backend.runs import earlier_rules, identity, policy, quantities, sample_kind
+from backend.runs import earlier_rules, identity, policy, quantities, sample_kind, violations
 from backend.runs.sample_kind import BoundSource
 from campaigns.claims.lowest_value import unconfirmed
 from campaigns.claims.spans import words
@@ -73,6 +73,8 @@ class Outcome(Schema):
     earlier_rules: bool = False
     """Whether it is cleared by the rules of an earlier version, and `clearance audit` names what does not hold by those
     of today."""
+    against: str = ""
+    """As of the run: which others speak against its verdict, a sentence; empty if none does."""
     policy: PolicyWord | None = None
     """What the campaign's policy says of the changes since the baseline: `holds`; `fails`, which is exit code 1
     whatever the verdict; `accepts`, a violated run whose violations were all known. Null without a comparison."""
@@ -108,10 +110,11 @@ def outcomes(
     query = query.where(Run.purged.is_(None), *conditions).order_by(Run.id.desc()).limit(limit)
     rows = reader.execute(query).all()
     described = quantities.installed(reader, rows)
-    return [_outcome(row, quantities.of(row, described)) for row in rows]
+    against = violations.sentences(reader, [row.id for row in rows])
+    return [_outcome(row, quantities.of(row, described), against.get(row.id, "")) for row in rows]
 
 
-def _outcome(row: Any, measured: quantities.Measured) -> Outcome:
+def _outcome(row: Any, measured: quantities.Measured, against: str) -> Outcome:
     done = row.state == RunState.DONE
     values = {name: getattr(row, name) for name in _PLAIN}
     values |= {name: getattr(row, name) if done else None for name in _NUMBERS}
@@ -131,6 +134,7 @@ def _outcome(row: Any, measured: quantities.Measured) -> Outcome:
         clearance=row.clearance,
         not_sampled=sample.not_sampled,
         earlier_rules=earlier_rules.of(row),
+        against=against,
         policy=policy.of(row),
         unconfirmed=words(unconfirmed(row.state, row.worst_cost, row.threshold, measured.unit)),
         campaign_name=row.campaign_name,

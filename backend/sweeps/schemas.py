@@ -59,7 +59,8 @@ class SweepSummary(Schema):
     created: Instant
     runs: int
     states: dict[str, int]
-    """The numbers of its runs by state and by verdict; those of which the results were purged as `purged`."""
+    """The numbers of its runs by state and by verdict; those of which the results were purged as `purged`; of
+    the cleared ones those as `contradicted` that other runs speak against."""
     code_warning: str = ""
     """That its runs that are done were run by different code, or that it may differ because it is not identified,
     sentences; empty if all of them have the same."""

@@ -7,6 +7,7 @@ import math
 from collections import Counter
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from itertools import chain
 from typing import Any
 
 import sqlalchemy as sa
@@ -23,6 +24,7 @@ from backend.http.keys import Keyed
 from backend.runs import edits
 from backend.runs.outcomes import outcomes
 from backend.runs.quota import Quota, refuse_beyond
+from backend.runs.violations import against
 from backend.sweeps import code
 from backend.sweeps.schemas import PURGED, SweepDetail, SweepPoint, SweepSubmit, SweepSummary
 from campaigns import Campaign, CampaignError, Catalogue, Problem, check
@@ -30,6 +32,7 @@ from campaigns.asked.load import load_document
 from campaigns.catalogue import ParameterEntry
 from campaigns.checked import texts
 from campaigns.checked.check import parameters
+from campaigns.results.verdict import VerdictWord
 from campaigns.runs import RunState, run_name, sweep_name, sweep_number
 from campaigns.stages.plan import most
 
@@ -127,17 +130,25 @@ def _named(name: str, path: str, value: float, unit: str) -> str:
 def listed(reader: sa.Connection, limit: int) -> list[SweepSummary]:
     """The newest sweeps, newest first."""
     rows = reader.execute(sa.select(Sweep.__table__).order_by(Sweep.id.desc()).limit(limit)).mappings().all()
-    of = sa.select(SweepRun.sweep_id, Run.state, Run.verdict, Run.purged).join(Run, Run.id == SweepRun.run_id)
-    members: dict[int, list[sa.Row[int, str, str | None, float | None]]] = {row["id"]: [] for row in rows}
+    of = sa.select(SweepRun.sweep_id, Run.id, Run.state, Run.verdict, Run.purged).join(Run, Run.id == SweepRun.run_id)
+    members: dict[int, list[sa.Row[int, int, str, str | None, float | None]]] = {row["id"]: [] for row in rows}
     for member in reader.execute(of.where(SweepRun.sweep_id.in_(list(members)))):
         members[member.sweep_id].append(member)
+    every = chain.from_iterable(members.values())
+    speaking = against(reader, [one.id for one in every if one.verdict == VerdictWord.CLEARED])
     codes = code.of_sweeps(reader, members)
     found = []
     for row in rows:
         own = members[row["id"]]
-        pairs = [(one.state, one.verdict) if one.purged is None else (PURGED, None) for one in own]
-        found.append(_summary(row, pairs, codes[row["id"]]))
+        words = [_words(one.state, one.verdict, one.id in speaking) if one.purged is None else [PURGED] for one in own]
+        found.append(_summary(row, words, codes[row["id"]]))
     return found
+
+
+def _words(state: str, verdict: str | None, against: bool) -> list[str]:
+    """What a run is counted as."""
+    contradicted = ["contradicted"] if against and verdict == VerdictWord.CLEARED else []
+    return [state, *filter(None, [verdict]), *contradicted]
 
 
 def detail(reader: sa.Connection, sweep_id: int) -> SweepDetail:
@@ -153,7 +164,8 @@ def detail(reader: sa.Connection, sweep_id: int) -> SweepDetail:
     ]
     ends = [point.outcome for point in points]
     codes = Counter(end.code for end in ends if end is not None and end.state == RunState.DONE)
-    summary = _summary(row, [(PURGED, None) if end is None else (end.state, end.verdict) for end in ends], codes)
+    words = [[PURGED] if end is None else _words(end.state, end.verdict, bool(end.against)) for end in ends]
+    summary = _summary(row, words, codes)
     return SweepDetail(**dict(summary), nominal=row["nominal"], points=points)
 
 
@@ -169,13 +181,13 @@ def cancel(engine: sa.Engine, sweep_id: int, visitor: Visitor) -> SweepDetail:
     return ask(engine, lambda reader: detail(reader, sweep_id))
 
 
-def _summary(row: sa.RowMapping, found: list[tuple[str, str | None]], codes: Counter[str | None]) -> SweepSummary:
-    """found: state and verdict of each of its runs; codes: how many runs that are done have each code."""
+def _summary(row: sa.RowMapping, words: Sequence[list[str]], codes: Counter[str | None]) -> SweepSummary:
+    """words: those of each of its runs; codes: how many runs that are done have each code."""
     same = ("name", "campaign_name", "path", "title", "unit", "owner", "token", "created")
-    states = dict(Counter(word for pair in found for word in pair if word is not None))
+    states = dict(Counter(chain.from_iterable(words)))
     values = {name: row[name] for name in same}
     warning = code.warning(codes)
-    return SweepSummary(id=sweep_name(row["id"]), **values, runs=len(found), states=states, code_warning=warning)
+    return SweepSummary(id=sweep_name(row["id"]), **values, runs=len(words), states=states, code_warning=warning)
 
 
 SOURCE = "request"

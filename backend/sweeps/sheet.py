@@ -16,7 +16,7 @@ def csv_of(sweep: SweepDetail) -> bytes:
         headed(sweep.path, sweep.unit), "run", "state", "verdict", headed("criterion", unit),
         headed(f"worst {quantity}", unit), headed("margin", unit), "P(violation) upper bound", "violations",
         "of these failed", "samples", "confidence", "seed", "code", "error", "P(violation) bound source", "removed",
-        "unconfirmed", "excluded samples", "excluded fraction",
+        "unconfirmed", "excluded samples", "excluded fraction", "against",
     ]  # fmt: skip
     rows = map(_row, sweep.points)
     return lines([headers, *([*row, *[None] * (len(headers) - len(row))] for row in rows)])
@@ -32,11 +32,12 @@ def _row(point: SweepPoint) -> list[object]:
         repr(point.value), point.run, found.state, _word(found), *map(_number, numbers), *counts,
         _number(found.confidence), found.seed, found.code, found.error, found.bound_source,
         "yes" if found.removed else "no", found.unconfirmed, found.excluded_samples, _number(found.excluded_fraction),
+        found.against,
     ]  # fmt: skip
 
 
 def _word(found: Outcome) -> str | None:
-    return None if found.verdict is None else headline(found.verdict, found, found.policy)
+    return None if found.verdict is None else headline(found.verdict, found, found.policy, found.against)
 
 
 def _number(value: float | None) -> str | None:

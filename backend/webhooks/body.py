@@ -48,8 +48,8 @@ def earlier(reader: sa.Connection, run: Outcome) -> Outcome | None:
 
 
 _REPORTED = (
-    "name", "state", "verdict", "not_sampled", "earlier_rules", "policy", "error", "unconfirmed", "quantity", "unit",
-    "threshold", "worst_cost", "margin", "upper_bound", "bound_source", "excluded_samples", "excluded_fraction",
+    "name", "state", "verdict", "not_sampled", "earlier_rules", "against", "policy", "error", "unconfirmed", "quantity",
+    "unit", "threshold", "worst_cost", "margin", "upper_bound", "bound_source", "excluded_samples", "excluded_fraction",
     "confidence", "code", "created", "finished",
 )  # fmt: skip
 

@@ -181,7 +181,7 @@ class Verdict(Result):
     @property
     def headline(self) -> str:
         """The verdict in large."""
-        return headline(self.verdict, self, self.policy)
+        return headline(self.verdict, self, self.policy, None)
 
     @property
     def earlier_rules(self) -> bool:
@@ -217,11 +217,12 @@ class Marked(Protocol):
     def earlier_rules(self) -> bool | None: ...
 
 
-def headline(word: str, of: Marked, policy: str | None) -> str:
-    """A verdict in large, with what alone is missing to clear it, that earlier rules cleared it, and that the policy on
-    changes since the baseline fails: `inconclusive: not sampled, policy fails`. policy: None where a column or clause
-    of its own states it."""
+def headline(word: str, of: Marked, policy: str | None, against: str | None) -> str:
+    """A verdict in large, with what alone is missing to clear it, that earlier rules cleared it, that other runs speak
+    against it, and that the policy on changes since the baseline fails: `cleared: contradicted, policy fails`. policy:
+    None where a column or clause of its own states it; against: the sentence on those runs, which no result states."""
     marks = ["not sampled"] * bool(of.not_sampled) + ["earlier rules"] * bool(of.earlier_rules)
+    marks += ["contradicted"] * bool(against)
     return f"{word}{': ' * bool(marks)}{', '.join(marks)}{', policy fails' if policy == 'fails' else ''}"
 
 

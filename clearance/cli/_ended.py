@@ -87,8 +87,10 @@ class EndedRun:
     replay: str = ""
     labels: dict[str, str] = field(default_factory=dict)
     notes: tuple[str, ...] = ()
-    against: tuple[str, ...] = ()
-    """All runs that speak against its verdict."""
+    against: str = ""
+    """Which other runs speak against its verdict, a sentence; empty if none does."""
+    against_runs: tuple[str, ...] = ()
+    """All of them."""
     seconds: float = 0.0
     compared: bool = True
     """False if a baseline was asked for and there is none."""
@@ -154,7 +156,27 @@ class EndedRun:
     def code(self) -> int:
         if self.verdict is None:
             return INTERRUPTED if self.state == RunState.CANCELLED else INTERNAL
-        return code(self.verdict)
+        own = code(self.verdict)
+        return INCONCLUSIVE if own == 0 and self.contradicted else own
+
+    @property
+    def contradicted(self) -> bool:
+        """Whether it is cleared and other runs speak against that, so that it has missed a case that exists."""
+        return self.verdict is not None and self.verdict.verdict == "cleared" and bool(self.against)
+
+    @property
+    def passes(self) -> bool:
+        """Whether its verdict is a success: cleared and not contradicted, or violated as the policy accepts."""
+        verdict = None if self.verdict is None else self.verdict.verdict
+        return (verdict == "cleared" and not self.contradicted) or self.accepted
+
+    @property
+    def headline(self) -> str:
+        """The verdict in large; the state without one."""
+        from campaigns.results.verdict import headline
+
+        found = self.verdict
+        return self.state if found is None else headline(found.verdict, found, found.policy, self.against)
 
     @property
     def outcome(self) -> str:
@@ -165,7 +187,8 @@ class EndedRun:
             return ""
         meaning = OUTCOMES[self.code]
         if self.verdict is not None:
-            meaning = by_policy(self.verdict) or headline(meaning, self.verdict, None)
+            stated = f"cleared, but {self.against.rstrip('.')}" if self.contradicted else ""
+            meaning = by_policy(self.verdict) or stated or headline(meaning, self.verdict, None, self.against)
         return f"exit code {self.code}: {meaning}"
 
     def command(self, case: FindingChange) -> str:

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from campaigns.runs import RunState
-from clearance.cli import WrongInputError, on_disk, refusing
+from clearance.cli import INCONCLUSIVE, WrongInputError, on_disk, refusing
 from clearance.cli._ended import Case, EndedRun, Source, changes, read, sureness
 from clearance.cli._exports import LIST, refuse_to_replace
 from clearance.cli._exports import save as save_into
@@ -147,7 +147,8 @@ def as_ended(service: Client, found: RunDetail, reused: str | None = None) -> En
         replay=f"clearance replay --service {shlex.quote(service.address)} {found.id}",
         labels=found.labels,
         notes=tuple(filter(None, [document.get("against"), rules, reused, *extends, baseline, removal(found)])),
-        against=tuple(document.get("against_runs") or ()),
+        against=document.get("against") or "",
+        against_runs=tuple(document.get("against_runs") or ()),
         seconds=worked(found),
         compared=compared is None or compared.run is not None,
         quantity=found.quantity,
@@ -276,10 +277,10 @@ def _line(found: Run, figures: bool) -> str:
 
 
 def ended_as(found: Run) -> str:
-    """The verdict, or the state without one, and that the policy on changes since the baseline fails."""
+    """The verdict in large, or the state without one."""
     from campaigns.results.verdict import headline
 
-    return headline(found.verdict, found, found.policy) if found.verdict else found.state
+    return headline(found.verdict, found, found.policy, found.against) if found.verdict else found.state
 
 
 def counts(found: Run) -> str:
@@ -301,6 +302,10 @@ def _ended(service: Client, found: RunDetail, ended: EndedRun) -> list[str]:
 
 
 def verdict_lines(ended: EndedRun) -> list[str]:
-    """How sure the search is, the changes since the baseline and what the policy decides on them; empty without a
-    verdict."""
-    return [] if ended.verdict is None else list(map(plain, [*sureness(ended.verdict), *changes(ended.verdict)]))
+    """How sure the search is, the changes since the baseline, and what decides the exit code in place of the verdict;
+    empty without a verdict."""
+    if ended.verdict is None:
+        return []
+    decided = ended.contradicted and ended.code == INCONCLUSIVE
+    why = [f"The exit code is {INCONCLUSIVE}: other runs speak against the verdict."] if decided else []
+    return list(map(plain, [*sureness(ended.verdict), *changes(ended.verdict), *why]))

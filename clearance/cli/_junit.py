@@ -66,17 +66,18 @@ def _verdict(suite: Xml.Element, ended: EndedRun) -> None:
     if verdict is None:
         _ended(case, "error", ended.no_verdict, *ended.notes, ended.link, kind=ended.state)
         return
-    if verdict.verdict == "cleared" or ended.accepted:
+    if ended.passes:
         _passed(case, ended, verdict)
         return
     text = [verdict.reason, *ended.notes, *(_values(verdict.worst.parameters) if verdict.worst else ()), ended.link]
     if ended.replay and verdict.worst is not None:
         text.append(f"{ended.replay} {verdict.worst.finding}")
-    _ended(case, "failure", verdict.sentence, *text, kind=verdict.headline)
+    _ended(case, "failure", ended.against or verdict.sentence, *text, kind=ended.headline)
 
 
 def _criterion(suite: Xml.Element, ended: EndedRun, verdict: Verdict) -> None:
-    """The test case of the criterion: every violating finding is a failure; else only a cleared verdict passes."""
+    """The test case of the criterion: every violating finding is a failure; else only a verdict passes that is
+    cleared and that no other run speaks against."""
     case = _added(suite, ended, f"criterion: {ended.quantity or verdict.quantity or 'value'}")
     text = "\n\n".join(_violation(ended, found) for found in ended.violating), verdict.scope, ended.link
     violated = bool(ended.violating) or verdict.verdict == "violated"
@@ -85,6 +86,8 @@ def _criterion(suite: Xml.Element, ended: EndedRun, verdict: Verdict) -> None:
     elif violated:
         kind = "violation" if verdict.verdict == "violated" else "unconfirmed"
         _ended(case, "failure", _violating(ended, verdict), *text, kind=kind)
+    elif ended.contradicted:
+        _ended(case, "failure", ended.against, *text, kind=ended.headline)
     elif verdict.verdict == "cleared":
         _passed(case, ended, verdict)
     else:
@@ -103,19 +106,20 @@ def _violating(ended: EndedRun, verdict: Verdict) -> str:
 
 
 def _requirement(suite: Xml.Element, ended: EndedRun, requirement: str) -> None:
-    """Evidence of this run alone: other campaigns may state the requirement, and the run is not signed off yet."""
+    """Evidence of this run, and what speaks against it: other campaigns may state the requirement, and the run is not
+    signed off yet."""
     case, verdict = _added(suite, ended, f"requirement: {requirement}"), ended.verdict
     if ended.unconfirmed:
         message = f"inconclusive: the run is {ended.state}. {ended.unconfirmed}"
         _ended(case, "failure", message, ended.error, ended.link, kind="inconclusive")
     elif verdict is None:
         _ended(case, "error", f"no evidence: {ended.state}", ended.link, kind=ended.state)
-    elif verdict.verdict == "cleared":
+    elif verdict.verdict == "cleared" and ended.passes:
         _passed(case, ended, verdict, "Evidence of this run alone; the matrix of requirements has all runs.")
     elif ended.accepted:
         _ended(case, "skipped", f"{verdict.sentence} {exit_sentence(verdict)}", verdict.scope)
     else:
-        _ended(case, "failure", verdict.sentence, verdict.reason, ended.link, kind=verdict.headline)
+        _ended(case, "failure", ended.against or verdict.sentence, verdict.reason, ended.link, kind=ended.headline)
 
 
 def _violation(ended: EndedRun, found: Case) -> str:

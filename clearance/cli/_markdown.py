@@ -33,7 +33,7 @@ def markdown(ended: EndedRun) -> str:
         lines.append(f"{run or 'The run'} {_text(ended.state)}. {_text(ended.error)}".rstrip())
         lines.append(_text(ended.unconfirmed))
     else:
-        stated = ", ".join(filter(None, [f"**{verdict.headline.capitalize()}**", run]))
+        stated = ", ".join(filter(None, [f"**{ended.headline.capitalize()}**", run]))
         lines.append(f"{stated}. {_text(verdict.reason)}")
         lines += [_text(line) for line in sureness(verdict)]
     lines += [_text(note) for note in ended.notes]

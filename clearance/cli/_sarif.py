@@ -23,7 +23,7 @@ from campaigns.version import VERSION
 from clearance.cli._ended import Case, EndedRun, Source, read, sureness
 
 SCHEMA = "https://docs.oasis-open.org/sarif/sarif/v2.1.0/errata01/os/schemas/sarif-schema-2.1.0.json"
-VIOLATION, CHECK, CHANGE, NO_VERDICT = "violation", "check/", "change/", "no-verdict"
+VIOLATION, CHECK, CHANGE, NO_VERDICT, CONTRADICTED = "violation", "check/", "change/", "no-verdict", "contradicted"
 WHERE: Mapping[str, tuple[str, ...]] = {
     CheckCode.SEARCH: ("stages.search",),
     CheckCode.AGREEMENT: ("agreement", "stages.search"),
@@ -69,6 +69,7 @@ def _rule(name: str, titles: Mapping[str, str]) -> dict[str, object]:
     title = {
         VIOLATION: "A case within the bounds violates the criterion",
         NO_VERDICT: "The run ended without a verdict",
+        CONTRADICTED: "Other runs speak against the verdict",
     }.get(name) or (
         f"Check: {titles[name]}" if name in titles else f"Change since the baseline: {name.removeprefix(CHANGE)}"
     )
@@ -98,13 +99,13 @@ def _properties(ended: EndedRun) -> dict[str, object]:
         "state": ended.state,
         "labels": ended.labels or None,
         "notes": list(ended.notes) or None,
-        "against": list(ended.against) or None,
+        "against": list(ended.against_runs) or None,
         "code": None if ended.identity is None else ended.identity.model_dump(mode="json"),
     }
     if verdict is not None:
         stated |= {
             "verdict": str(verdict.verdict),
-            "headline": verdict.headline,
+            "headline": ended.headline,
             "reason": verdict.reason,
             "scope": verdict.scope,
             "sureness": " ".join(sureness(verdict)),
@@ -126,6 +127,8 @@ def _results(ended: EndedRun, known: Mapping[str, Place]) -> Iterator[dict[str, 
         result["relatedLocations"] = _ranges(ended, known, case.parameters)
         result["properties"] = {"cost": case.cost, "margin": case.margin, "parameters": dict(case.parameters)}
         yield result
+    if ended.against:
+        yield _result(ended, known, CONTRADICTED, "", "warning", ended.against, ("criterion",))
     for check in ended.checks:
         if check.standing == "fails":
             paths = (*WHERE.get(str(check.code), ()), "criterion")

@@ -109,14 +109,17 @@ def _line(found: Sweep, point: SweepPoint) -> str:
     bound = outcome.upper_bound
     most = "" if bound is None else written(bound, form=Format.AT_MOST, digits=3)
     sure = written(outcome.confidence or 0.0, form=Format.AT_LEAST)
+    against = f"; {outcome.against.rstrip('.')}" if outcome.against else ""
     source, fraction = SOURCES.get(outcome.bound_source or "", ""), outcome.excluded_fraction
     excluded = f", {written(fraction, form=Format.PROBABILITY, digits=3)}{EXCLUDED}" if fraction else ""
     sampled = "" if bound is None else f", P(violation) at most {most} ({sure} confidence{source}{excluded})"
-    return f"{start}  {headline(str(outcome.verdict), outcome, outcome.policy)}{margin}{sampled}{removed}"
+    word = headline(str(outcome.verdict), outcome, outcome.policy, outcome.against)
+    return f"{start}  {word}{margin}{sampled}{against}{removed}"
 
 
 def _code(found: Sweep) -> int:
-    """A violation first, then what is missing a verdict, then inconclusive; cleared only if every run is."""
+    """A violation first, then what is missing a verdict, then inconclusive; cleared only if every run is, and no other
+    run speaks against any of them."""
     outcomes = [point.outcome for point in found.points]
     verdicts = {outcome.verdict for outcome in outcomes if outcome is not None and outcome.state == RunState.DONE}
     states = {"purged" if outcome is None else outcome.state for outcome in outcomes}
@@ -126,4 +129,5 @@ def _code(found: Sweep) -> int:
         return INTERNAL
     if RunState.CANCELLED in states:
         return INTERRUPTED
-    return CODES["inconclusive" if "inconclusive" in verdicts else "cleared"]
+    contradicted = any(outcome is not None and outcome.against for outcome in outcomes)
+    return CODES["inconclusive" if "inconclusive" in verdicts or contradicted else "cleared"]

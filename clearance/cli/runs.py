@@ -64,11 +64,10 @@ def _row(run: Run) -> list[str]:
 
     margin = "" if run.margin is None else f"{signed(run.margin)} {run.unit}".rstrip()
     unread = run.document.get("unidentified")
-    contradicted = ", contradicted" if run.document.get("against") else ""
     labels = " ".join(f"{key}={value}" for key, value in run.labels.items())
     return [
         run.id,
-        ended_as(run) + contradicted,
+        ended_as(run),
         margin,
         moment(run.created),
         (run.document.get("code") or "")[:SHORT] or ("not identified" if unread else ""),

@@ -572,6 +572,8 @@ class Outcome(Answer):
     """Whether it is cleared by the rules of an earlier version, and `clearance audit` names what does not hold by those
     of today.
     """
+    against: str | None = None
+    """As of the run: which others speak against its verdict, a sentence; empty if none does."""
     policy: str | None = None
     """What the campaign's policy says of the changes since the baseline: `holds`; `fails`, which is exit code 1
     whatever the verdict; `accepts`, a violated run whose violations were all known. None without a comparison.
@@ -615,10 +617,8 @@ class Sweep(SweepAnswer):
     created: AwareDatetime
     runs: int
     states: dict[str, int]
-    """The numbers of its runs by state and by verdict; those of which the results were purged as `purged`."""
-    code_warning: str | None = None
-    """That its runs that are done were run by different code, or that it may differ because it is not identified,
-    sentences; empty if all of them have the same.
+    """The numbers of its runs by state and by verdict; those of which the results were purged as `purged`; of the
+    cleared ones those as `contradicted` that other runs speak against.
     """
     nominal: float | None = None
     """The parameter's value in the campaign."""

@@ -60,7 +60,7 @@ def _drawn(record: Record) -> tuple[Markup, str, float] | None:
 def _title(record: Record) -> str:
     """R-0001: violated, worst case F1 with a margin of -0.02 m."""
     run = record.run
-    word = headline(run.verdict, run, run.policy) if run.verdict else run.state
+    word = headline(run.verdict, run, run.policy, run.against) if run.verdict else run.state
     worst = record.worst
     if worst is None:
         return f"{record.run.id}: {word}"

@@ -113,7 +113,7 @@ def _recording_request(reader: sa.Connection, run_id: int, label: str, dark: boo
     caption = Caption(
         run.id,
         run.name,
-        headline(run.verdict, run, run.policy) if run.verdict else run.state,
+        headline(run.verdict, run, run.policy, run.against) if run.verdict else run.state,
         run.campaign_digest,
         results_digest(reader, run_id),
         _costs(reader, run_id, run.nominal_cost),

@@ -8,7 +8,7 @@ const outcome = (more: Partial<Outcome> = {}): Outcome => ({
   id: 'R-0001', name: '', state: 'done', verdict: 'cleared', error: null, campaign_name: '', campaign_digest: '', seed: 1,
   code: 'a', unidentified: [], clearance: null, quantity: 'd_min', unit: 'm', threshold: 0.5, worst_cost: 0.8, margin: 0.3, upper_bound: 0.001,
   bound_source: 'certify', excluded_samples: 0, excluded_fraction: 0,
-  violations: 0, failed_samples: 0, samples: 3000, confidence: 0.95, created: 0, finished: 1, removed: false, not_sampled: false, earlier_rules: false, policy: null, unconfirmed: '', ...more,
+  violations: 0, failed_samples: 0, samples: 3000, confidence: 0.95, created: 0, finished: 1, removed: false, not_sampled: false, earlier_rules: false, against: '', policy: null, unconfirmed: '', ...more,
 })
 const bare = { margin: null, worst_cost: null, upper_bound: null, bound_source: null, violations: null, failed_samples: null, samples: null, confidence: null } as const
 const points: At[] = [

@@ -9,7 +9,7 @@ import { launchedBy } from '../format/people'
 import { MarginBar } from '../ui/bars'
 import { MethodName } from '../ui/MethodMark'
 import { Sign } from '../ui/Sign'
-import { Contradicted, RunBadge } from '../ui/VerdictBadge'
+import { RunBadge } from '../ui/VerdictBadge'
 import { amount, type CellContext, Removal, Time } from './cells'
 import { Spark } from './Spark'
 import { badges, layout, tables } from '../ui/styles'
@@ -59,7 +59,7 @@ const time = (of: (run: RunSummary) => number | null): Cell => (run, { now }) =>
 
 /** In their order; those of a result are adjacent, because rows without one span them. */
 const TABLE = {
-  verdict: { name: 'Verdict', width: 130, sort: 'verdict', usual: true, removed: true, cell: (run) => <><RunBadge run={run} /><Contradicted run={run} /></> },
+  verdict: { name: 'Verdict', width: 130, sort: 'verdict', usual: true, removed: true, cell: (run) => <RunBadge run={run} /> },
   worst: {
     name: 'Worst value', width: 80, sort: 'worst', num: true, result: true, usual: true, removed: true,
     head: ({ quantity }) => <>Worst {quantity ? <Sign text={quantity} /> : 'value'}</>,

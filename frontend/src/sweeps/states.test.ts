@@ -12,6 +12,10 @@ it('names verdicts instead of done', () => {
   expect(statementOf({ done: 3, cleared: 2, violated: 1, queued: 2, failed: 1, purged: 1 })).toBe('2 queued, 2 cleared, 1 violated, 1 failed, 1 purged')
 })
 
+it('states how many of the cleared runs are contradicted', () => {
+  expect(statementOf({ done: 3, cleared: 2, contradicted: 1, violated: 1 })).toBe('2 cleared, of these 1 contradicted, 1 violated')
+})
+
 it('shows values at full precision', () => {
   expect([field(0.1 + 0.2), field(-1)]).toEqual(['0.30000000000000004', '−1'])
 })

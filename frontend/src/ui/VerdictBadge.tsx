@@ -39,16 +39,16 @@ export function OutcomeIcon({ outcome, className = 'i' }: { outcome: Outcome; cl
   return <Icon className={clsx(className, busy && icons.spin)} aria-hidden="true" />
 }
 
-type Ended = Pick<RunSummary, 'state' | 'verdict'> & Partial<Pick<RunSummary, 'not_sampled' | 'earlier_rules' | 'policy'>>
+type Ended = Pick<RunSummary, 'state' | 'verdict'> & Partial<Pick<RunSummary, 'not_sampled' | 'earlier_rules' | 'against' | 'policy'>>
 
 function lacking(run: Ended): string {
-  const marks = [run.not_sampled && 'not sampled', run.earlier_rules && 'earlier rules'].filter(Boolean)
+  const marks = [run.not_sampled && 'not sampled', run.earlier_rules && 'earlier rules', run.against && 'contradicted'].filter(Boolean)
   return run.verdict && marks.length > 0 ? `: ${marks.join(', ')}` : ''
 }
 
 const failing = ({ policy }: Ended) => (policy === 'fails' ? ', policy fails' : '')
 
-/** The outcome in words, with what alone is missing to clear the run, that earlier rules cleared it, and that its policy on changes fails. */
+/** The outcome in words, with what alone is missing to clear the run, that earlier rules cleared it, that other runs speak against it, and that its policy on changes fails. */
 export const wordOf = (run: Ended): string => `${LOOK[outcomeOf(run)].word}${lacking(run)}${failing(run)}`
 
 /** The same verdict within a sentence, null without one. */
@@ -66,21 +66,15 @@ export const Badge = ({ tone, Icon, children, ...rest }: BadgeProps) => (
   </span>
 )
 
-export const RunBadge = ({ run }: { run: Ended }) => <VerdictBadge outcome={outcomeOf(run)} word={wordOf(run)} />
+/** title: which other runs speak against the verdict. */
+export const RunBadge = ({ run }: { run: Ended }) => (
+  <VerdictBadge outcome={outcomeOf(run)} word={wordOf(run)} title={run.against || undefined} />
+)
 
-/** The mark of a verdict against which other runs speak; their sentence is its title. */
-export const Contradicted = ({ run }: { run: Pick<RunSummary, 'against'> }) =>
-  run.against ? (
-    <span role="img" title={run.against} aria-label={run.against}>
-      {' '}
-      <IconAlertTriangle className="i s bad-t" aria-hidden />
-    </span>
-  ) : null
-
-export function VerdictBadge({ outcome, word = LOOK[outcome].word }: { outcome: Outcome; word?: string }) {
+export function VerdictBadge({ outcome, word = LOOK[outcome].word, title }: { outcome: Outcome; word?: string; title?: string | undefined }) {
   const { tone } = LOOK[outcome]
   return (
-    <span className={clsx('b', badges.vd)} data-tone={tone}>
+    <span className={clsx('b', badges.vd)} data-tone={tone} title={title}>
       <OutcomeIcon outcome={outcome} />
       {word}
     </span>

@@ -107,7 +107,7 @@ def test_runs_are_cancelled(
     assert statement(capsys).splitlines() == ["R-0003 cancelled", "R-0001 done: violated"]
     with changed(service.engine, sa.update(Run).where(Run.id == 1).values(verdict="cleared", summary={})):
         assert command("cancel", violated) == 0
-        assert statement(capsys) == f"R-0001 done: {headline('cleared', Marks(True, True), None)}\n"
+        assert statement(capsys) == f"R-0001 done: {headline('cleared', Marks(True, True), None, None)}\n"
     assert command("cancel", "R-0002", "../x") == WRONG_INPUT
     capsys.readouterr()
     assert command("runs", "--state", "queued", "--json") == 0

@@ -181,7 +181,7 @@ def test_numbers_only_of_runs_that_are_done(service: Service, client: httpx.Clie
     assert [row["P(violation) bound source"] or "" for row in rows] == ["certify", *[""] * 5]
     with changed(service.engine, sa.update(Run).where(Run.id == 1).values(verdict="cleared", summary={})):
         (row, *_) = csv.DictReader(io.StringIO(client.get("/api/v1/sweeps/S-0001/table.csv").text))
-    assert row["verdict"] == headline("cleared", Marks(True, True), None)
+    assert row["verdict"] == headline("cleared", Marks(True, True), None, None)
 
 
 def test_a_removed_run_is_stated_in_the_table(service: Service, client: httpx.Client) -> None:

@@ -3,7 +3,7 @@ import { createMemoryHistory, createRootRoute, createRoute, createRouter, Router
 import { renderToStaticMarkup } from 'react-dom/server'
 import { expect, it } from 'vitest'
 import { run } from '../../../tests/fixtures'
-import { Contradicted } from '../../ui/VerdictBadge'
+import { headlineOf, RunBadge, wordOf } from '../../ui/VerdictBadge'
 import { Against } from './Banner'
 
 const ids = ['R-0001', 'R-0002', 'R-0003', 'R-0004', 'R-0005']
@@ -27,6 +27,10 @@ it('lists all runs on demand where the sentence does not name them', async () =>
 })
 
 it('marks the verdict of a row with the sentence', () => {
-  expect(renderToStaticMarkup(<Contradicted run={run({ verdict: 'cleared', against })} />)).toContain(`title="${against}"`)
-  expect(renderToStaticMarkup(<Contradicted run={run({ verdict: 'cleared' })} />)).toBe('')
+  const of = run({ verdict: 'cleared', against })
+  const shown = renderToStaticMarkup(<RunBadge run={of} />)
+  expect(shown).toContain(`title="${against}"`)
+  expect(shown).toContain('Cleared: contradicted')
+  expect([wordOf(of), headlineOf({ ...of, not_sampled: true })]).toEqual(['Cleared: contradicted', 'cleared: not sampled, contradicted'])
+  expect(renderToStaticMarkup(<RunBadge run={run({ verdict: 'cleared' })} />)).not.toContain('title')
 })

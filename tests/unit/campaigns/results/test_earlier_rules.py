@@ -36,4 +36,9 @@ def test_what_earlier_rules_cleared(word: VerdictWord, version: int | None) -> N
     ],
 )
 def test_a_verdict_in_large(marks: Marks, policy: str | None, rest: list[str]) -> None:
-    assert headline("cleared", marks, policy) == ": ".join(filter(None, ["cleared", ", ".join(rest)]))
+    assert headline("cleared", marks, policy, "") == ": ".join(filter(None, ["cleared", ", ".join(rest)]))
+
+
+def test_a_verdict_in_large_that_another_run_contradicts() -> None:
+    stated = headline("cleared", Marks(True), "fails", "R-0002 violates the criterion.")
+    assert stated == "cleared: not sampled, contradicted, policy fails"

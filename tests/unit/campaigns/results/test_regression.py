@@ -631,7 +631,7 @@ def test_the_summary_is_markdown_in_which_no_text_is_markup() -> None:
     text = markdown(ended(found, notes=("<img src=x> [a](b) | `c`",)))
     first, _, second = text.splitlines()[:3]
     assert first == f"## ❌ Case \\<1\\> &amp; more: exit code 1: {by_policy(concluded(found, 'cleared'))}"
-    assert second.startswith(f"**{headline('Cleared', Marks(), 'fails')}**, ")
+    assert second.startswith(f"**{headline('Cleared', Marks(), 'fails', None)}**, ")
     assert "\\<img src=x\\> \\[a\\](b) \\| \\`c\\`" in text
     assert "branch = feature\\|x" in text
     (row,) = [line for line in text.splitlines() if line.startswith("| F1 of")]

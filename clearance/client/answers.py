@@ -620,6 +620,10 @@ class Sweep(SweepAnswer):
     """The numbers of its runs by state and by verdict; those of which the results were purged as `purged`; of the
     cleared ones those as `contradicted` that other runs speak against.
     """
+    code_warning: str | None = None
+    """That its runs that are done were run by different code, or that it may differ because it is not identified,
+    sentences; empty if all of them have the same.
+    """
     nominal: float | None = None
     """The parameter's value in the campaign."""
     points: list[SweepPoint]

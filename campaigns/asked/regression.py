@@ -91,6 +91,11 @@ class BaselineCase(Strict):
         return max(min(ROUNDING * size, TOLERANCE_OF_MARGIN * margin), ROUNDING_AT_LEAST * size)
 
 
+ListedPath = Annotated[str, Field(pattern=r"^(obstacles|environment|faults)\.(0|[1-9][0-9]?)$")]
+ComponentThere = Annotated[str, Field(pattern=r"^[a-z][a-z0-9_]*( on [^\s]{1,60})?$", max_length=124)]
+"""A component, and of a fault the input that it acts on."""
+
+
 class Baseline(Strict):
     """The findings of an earlier run, which this one evaluates first."""
 
@@ -107,6 +112,9 @@ class Baseline(Strict):
     """The calls of a simulator in each of its evaluations; null for a scenario, and in one of an earlier version."""
     fixed: Annotated[dict[Path, Number] | None, UNLESS_STATED] = None
     """By path, the values of the parameters that its campaign did not vary; null in one of an earlier version."""
+    parts: Annotated[dict[ListedPath, ComponentThere] | None, UNLESS_STATED] = None
+    """The components of its obstacles, environment and faults, by the prefix of their paths; null for a simulator, and
+    in one of an earlier version."""
     cases: Annotated[list[BaselineCase], Field(min_length=1, max_length=100), AfterValidator(_once)]
 
     def violated(self, case: BaselineCase, threshold: float) -> bool:

@@ -4,13 +4,15 @@ other only if they are equal."""
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
 
 from campaigns.asked.criteria import deciding
 from campaigns.asked.spec import Campaign
 from campaigns.catalogue import Catalogue
 from campaigns.checked.check import parameters
+from campaigns.checked.listed import Listed, matched, renamed
 from campaigns.checked.texts import unit
+
+CRITERION = "its criterion"
 
 
 def differing(then: Campaign, before: Catalogue, now: Campaign, here: Catalogue) -> str:
@@ -22,11 +24,14 @@ def differing(then: Campaign, before: Catalogue, now: Campaign, here: Catalogue)
     code = _other_code(then, before, here)
     if code:
         return code
-    varied = sorted({*then.uncertain, *now.uncertain})
-    was, is_ = _units(then, before, varied), _units(now, here, varied)
-    for name in was:
-        if unit(was[name]) != unit(is_.get(name, was[name])):
-            return f"{name} is in {was[name] or 'no unit'}, here it is in {is_[name] or 'no unit'}"
+    was, is_ = _units(then, before), _units(now, here)
+    parts = matched(_listed(then, before), _listed(now, here))
+    for name in [CRITERION, *sorted(was.keys() - {CRITERION})]:
+        there = name if name == CRITERION else renamed(name, parts)
+        if there is None or name not in was or not (name in then.uncertain or there in {CRITERION, *now.uncertain}):
+            continue
+        if unit(was[name]) != unit(is_.get(there, was[name])):
+            return f"{name} is in {was[name] or 'no unit'}, here it is in {is_[there] or 'no unit'}"
     return ""
 
 
@@ -36,11 +41,14 @@ def fixed(then: Campaign, before: Catalogue) -> dict[str, float]:
     return {path: value for path, (_, value) in known if path not in then.uncertain and math.isfinite(value)}
 
 
-def _units(campaign: Campaign, catalogue: Catalogue, paths: Iterable[str]) -> dict[str, str]:
-    known = parameters(campaign, catalogue)
-    found = {path: known[path][0].unit for path in paths if path in known}
+def _units(campaign: Campaign, catalogue: Catalogue) -> dict[str, str]:
+    found = {path: entry.unit for path, (entry, _) in parameters(campaign, catalogue).items()}
     decides = deciding(campaign, catalogue)
-    return found if decides is None else {"its criterion": decides.unit, **found}
+    return found if decides is None else {CRITERION: decides.unit, **found}
+
+
+def _listed(campaign: Campaign, catalogue: Catalogue) -> Listed:
+    return Listed.of(campaign, {path: value for path, (_, value) in parameters(campaign, catalogue).items()})
 
 
 def _other_code(then: Campaign, before: Catalogue, here: Catalogue) -> str:

@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 from campaigns.asked.load import load_document
 from campaigns.asked.problem import CampaignError
 from campaigns.asked.spec import Campaign, Criterion, Repeats
+from campaigns.checked.listed import components, prefix_of
 from campaigns.results.finding import Finding, Validation
 
 
@@ -41,6 +42,8 @@ def with_baseline(
         baseline["repeats"] = (other.simulator.repeats or Repeats(count=1)).model_dump(mode="json")
     if fixed is not None:
         baseline["fixed"] = dict(fixed)
+        if other.scenario is not None:
+            baseline["parts"] = components(other)
     document = {**campaign.document(), "baseline": baseline}
     try:
         return load_document(document, run)
@@ -62,7 +65,17 @@ def foreign(campaign: Campaign, other: Campaign) -> str:
     then, now = _measured(other.criterion), _measured(campaign.criterion)
     if then != now:
         return f"its criterion is {then}, here it is {now}; a comparison needs the same criterion"
-    return "" if set(campaign.uncertain) & set(other.uncertain) else "it varies none of the parameters of this campaign"
+    return "" if _varied(campaign) & _varied(other) else "it varies none of the parameters of this campaign"
+
+
+def _varied(campaign: Campaign) -> set[str]:
+    """What it varies; of listed parts without their index, which may be another part's there."""
+    return {_unindexed(path) for path in campaign.uncertain}
+
+
+def _unindexed(path: str) -> str:
+    prefix = prefix_of(path)
+    return prefix.partition(".")[0] + path.removeprefix(prefix) if prefix else path
 
 
 def same_question(campaign: Campaign, other: Campaign) -> bool:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
 from campaigns.asked.scenario import Repeats
@@ -22,8 +22,11 @@ class Case(NamedTuple):
     assumed: Sequence[str]
 
 
-def evaluated(run: str, cases: Sequence[Case], thresholds: tuple[float, float], unit: str) -> Spans:
-    """thresholds: of that run, and of this one."""
+def evaluated(
+    run: str, cases: Sequence[Case], thresholds: tuple[float, float], unit: str, moved: Mapping[str, str] | None = None
+) -> Spans:
+    """thresholds: of that run, and of this one; moved: listed parts of which evaluated cases have values, and which are
+    at another index here."""
     known = [case for case in cases if case.has_value]
     clauses: list[Part] = [
         say(count(len(known), "known"), " of ", amount(len(cases), "finding", "cases"), f" of {run} evaluated")
@@ -39,6 +42,7 @@ def evaluated(run: str, cases: Sequence[Case], thresholds: tuple[float, float], 
         for case in known
         if case.assumed
     ]
+    clauses += [other_index(there, run, here) for there, here in (moved or {}).items()]
     before, now = thresholds
     if before != now:
         there, here = (written(limit, unit, digits=digits_of(limit)) for limit in thresholds)
@@ -49,6 +53,24 @@ def evaluated(run: str, cases: Sequence[Case], thresholds: tuple[float, float], 
 def no_parameter(path: str) -> str:
     """The campaign lacks a parameter."""
     return f"there is no parameter {path}"
+
+
+def other_index(there: str, run: str, here: str) -> str:
+    """A listed part is at another index."""
+    return f"{there} of {run} is {here} here"
+
+
+def unidentified(part: str, run: str, component: str) -> str:
+    """None of the listed parts is the part of the earlier run, or several may be; component: empty if not stored."""
+    what = component or "its component is not stored"
+    return f"{part} of {run} ({what}) cannot be identified with one part of this campaign"
+
+
+def renumbered(there: str, run: str) -> str:
+    """Its noise is another realisation, which is drawn by the number of the part."""
+    return (
+        f"the parts with noise are listed in another order, so that the noise of {there} of {run} is another one here"
+    )
 
 
 def certain(path: str, value: float, now: float) -> str:

@@ -103,7 +103,7 @@ def test_the_audit_has_the_same_limits() -> None:
         "GRANTED",
         "NEAREST",
         "EACH",
-        "STANDING",
+        "PARTS",
         "CLEARING",
         "BOTTOM",
         "TOP",

@@ -1,6 +1,7 @@
 """Baseline: the findings of an earlier run on this model, one evaluation each.
 
-A finding is evaluated at all values that it has there, those that its campaign fixed included. One whose parameters
+A finding is evaluated at all values that it has there, those that its campaign fixed included, on the same obstacles
+and faults, wherever they are listed (`campaigns.checked.listed`). One whose parameters
 this campaign cannot have, or that an evaluation of it would not show, is named with the reason and not evaluated. One
 that drew its own noise is evaluated with the same seed. The evaluations are stored as all others, so that the minimum
 counts them, and validation descends from each of them (`worker.engine.stages.parts.findings`).
@@ -8,7 +9,7 @@ counts them, and validation descends from each of them (`worker.engine.stages.pa
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 
 import numpy as np
 
@@ -16,6 +17,7 @@ from campaigns import Campaign
 from campaigns.asked.regression import Baseline, BaselineCase
 from campaigns.asked.scenario import Repeats
 from campaigns.checked.check import unvaried
+from campaigns.checked.listed import Listed, matched, prefix_of, renamed, renumbered
 from campaigns.claims.stages import earlier_run, ends
 from campaigns.results.base import OK, STATUS
 from campaigns.results.stage import Reevaluated
@@ -36,17 +38,23 @@ def run(context: Context, position: int) -> Outcome[BaselineResult]:
     """Evaluate every finding of the baseline that this campaign can evaluate, those with their own noise first."""
     problem, baseline = context.problem, context.campaign.baseline
     assert baseline is not None
-    reasons = {case.label: _unusable(problem, case) for case in baseline.cases}
-    usable = [case for case in baseline.cases if not reasons[case.label]]
+    then, now = Listed.of_baseline(baseline), _listed(problem)
+    parts = matched(then, now)
+    here = _renamed(baseline, parts)
+    other_noise = [earlier_run.renumbered(p, baseline.run) for p in renumbered(then, now, parts)]
+    both = list(zip(baseline.cases, here.cases, strict=True))
+    reasons = {there.label: _unusable(problem, here, there, case, parts, other_noise) for there, case in both}
+    usable = [case for case in here.cases if not reasons[case.label]]
     usable.sort(key=lambda case: case.realisation is None)
-    points = [_point(problem, case) for case in usable]
+    points = [_point(problem, here, case) for case in usable]
     seeds = [case.realisation for case in usable if case.realisation is not None]
     columns = drive(context, position, _asking(points, seeds), len(points) + 1).columns
     index = {case.label: row for row, case in enumerate(usable)}
-    cases = [_case(problem, case, reasons[case.label], index.get(case.label), columns) for case in baseline.cases]
+    cases = [_case(problem, *row, reasons[row[0].label], index.get(row[0].label), columns) for row in both]
     stated = [earlier_run.Case(c.label, c.index is not None, c.cost is not None, c.reason, c.assumed) for c in cases]
+    moved = {p: q for case in baseline.cases if case.label in index for p, q in _moved(case, parts).items()}
     thresholds = (baseline.threshold, problem.threshold)
-    statement = earlier_run.evaluated(baseline.run, stated, thresholds, problem.unit)
+    statement = earlier_run.evaluated(baseline.run, stated, thresholds, problem.unit, moved)
     return Outcome(BaselineResult(run=baseline.run, cases=cases, drawn_realisations=len(seeds), statement=statement))
 
 
@@ -58,32 +66,64 @@ def _asking(points: list[Floats], seeds: list[int]) -> Asking[str]:
     return ends.BASELINE
 
 
-def _unusable(problem: Problem, case: BaselineCase) -> str:
-    """Why this campaign cannot evaluate a finding, as clauses; empty if it can."""
+def _listed(problem: Problem) -> Listed:
+    return Listed.of(problem.campaign, {p.path: p.nominal for p in problem.system.parameters})
+
+
+def _renamed(baseline: Baseline, parts: Mapping[str, str]) -> Baseline:
+    """The baseline with the paths of this campaign, without the values of listed parts that it does not have."""
+
+    def values(there: Mapping[str, float]) -> dict[str, float]:
+        paths = {path: renamed(path, parts) for path in there}
+        return {here: there[path] for path, here in paths.items() if here is not None}
+
+    cases = [case.model_copy(update={"parameters": values(case.parameters)}) for case in baseline.cases]
+    return baseline.model_copy(update={"cases": cases, "fixed": values(baseline.fixed or {})})
+
+
+def _moved(there: BaselineCase, parts: Mapping[str, str]) -> dict[str, str]:
+    """The listed parts of which a finding has values, and which are at another index here."""
+    prefixes = dict.fromkeys(map(prefix_of, there.parameters))
+    return {prefix: parts[prefix] for prefix in prefixes if parts.get(prefix, prefix) != prefix}
+
+
+def _unusable(
+    problem: Problem, here: Baseline, there: BaselineCase, case: BaselineCase, parts: Mapping[str, str],
+    other_noise: list[str],
+) -> str:  # fmt: skip
+    """Why this campaign cannot evaluate a finding, as clauses; empty if it can. there: the finding as the baseline has
+    it; case: with the paths of this campaign."""
+    known = here.parts or {}
+    unknown = [prefix for prefix in dict.fromkeys(map(prefix_of, there.parameters)) if prefix and prefix not in parts]
+    found = [earlier_run.unidentified(prefix, here.run, known.get(prefix, "")) for prefix in unknown]
+    found += [*_impossible(problem, here, case), *(other_noise if problem.realisations.random else [])]
+    moved = [earlier_run.other_index(p, here.run, q) for p, q in _moved(there, parts).items()]
+    return "; ".join([*moved, *found] if found else [])
+
+
+def _impossible(problem: Problem, here: Baseline, case: BaselineCase) -> Iterator[str]:
+    """What of a finding this campaign cannot have, or would not show."""
     ranges = {r.path: r for r in problem.ranges}
-    found = []
     for path, value in case.parameters.items():
         known = ranges.get(path)
         if path not in problem.paths:
-            found.append(earlier_run.no_parameter(path))
+            yield earlier_run.no_parameter(path)
         elif known is None:
             fixed = float(problem.system.nominal[problem.paths[path]])
             if fixed != value:
-                found.append(earlier_run.certain(path, value, fixed))
+                yield earlier_run.certain(path, value, fixed)
         elif not _within(known, value):
-            found.append(earlier_run.outside(path, value, known.low, known.high))
-    found += _elsewhere(problem, case)
+            yield earlier_run.outside(path, value, known.low, known.high)
+    yield from _elsewhere(problem, here, case)
     random = bool(problem.realisations.random)
     if case.realisation is not None and not random:
-        found.append(earlier_run.not_random(case.realisation))
-    return "; ".join([*found, *_unseen(problem.campaign, case, random)])
+        yield earlier_run.not_random(case.realisation)
+    yield from _unseen(problem.campaign, case, random)
 
 
-def _elsewhere(problem: Problem, case: BaselineCase) -> Iterator[str]:
+def _elsewhere(problem: Problem, baseline: Baseline, case: BaselineCase) -> Iterator[str]:
     """What the baseline did not vary, and this campaign cannot have as it was there: values of what it varies, which
     must be known and within its bounds, and seeds that select another realisation."""
-    baseline = problem.campaign.baseline
-    assert baseline is not None
     ranges, fixed = {r.path: r for r in problem.ranges}, baseline.fixed or {}
     certain = {p.path: p.nominal for p in problem.system.parameters if p.path not in ranges}
     for path in [*ranges, *unvaried(problem.campaign, certain)]:
@@ -128,19 +168,19 @@ def _uncalled(baseline: Baseline, now: Repeats) -> Iterator[str]:
         yield earlier_run.other_calls(then, now)
 
 
-def _point(problem: Problem, case: BaselineCase) -> Floats:
+def _point(problem: Problem, here: Baseline, case: BaselineCase) -> Floats:
     """The finding as a point (n,): its own one if this campaign has the same bounds, so that the bits are the same."""
     own = np.array(case.point)
     if len(own) == problem.dimension and problem.named(own) == case.parameters:
         return own
-    baseline = problem.campaign.baseline
-    fixed = {} if baseline is None else baseline.fixed or {}
-    return np.clip(problem.point({**fixed, **case.parameters}), 0.0, 1.0)
+    return np.clip(problem.point({**(here.fixed or {}), **case.parameters}), 0.0, 1.0)
 
 
-def _case(problem: Problem, case: BaselineCase, reason: str, row: int | None, columns: Columns | None) -> Reevaluated:
+def _case(
+    problem: Problem, there: BaselineCase, case: BaselineCase, reason: str, row: int | None, columns: Columns | None
+) -> Reevaluated:
     if row is None or columns is None:
-        return Reevaluated(label=case.label, index=None, parameters=case.parameters, reason=reason)
+        return Reevaluated(label=case.label, index=None, parameters=there.parameters, reason=reason)
     ok = columns.status[row] == OK
     return Reevaluated(
         label=case.label,

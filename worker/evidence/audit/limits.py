@@ -65,11 +65,13 @@ EACH = 21
 """The version since which what a search excludes counts by itself, a seed of few values bars, a large nominal value
 is no scale of how sure a search is, and the lowest values that return often have a step; since which a case of a
 baseline is fixed only if it was evaluated at all its values, with no fewer calls, and confirmed by other means."""
-STANDING = 22
-"""The version since which what comes straight to where a vehicle that slows down will stand is not known."""
+PARTS = 22
+"""The version since which a case of a baseline is evaluated on the obstacles and faults on which it was found, wherever
+they are listed, a seed that every call of a function has bars, and what comes straight to where a vehicle that slows
+down will stand is not known."""
 BOTTOM, TOP, MANY = 0.1, 0.9, 100
 """A nominal value is far above so many costs if none is between these fractions of its height."""
-CLEARING = max(ROUNDED, LOWEST, SHARED, AFTER, HALVED, WIDER, ALIKE, MEASURED, GRANTED, NEAREST, EACH, STANDING)
+CLEARING = max(ROUNDED, LOWEST, SHARED, AFTER, HALVED, WIDER, ALIKE, MEASURED, GRANTED, NEAREST, EACH, PARTS)
 """The version since which the rules that can withdraw "cleared" are those of today."""
 RULES = max(CLEARING, BASINS, BASELINES, BESIDE, TAILS, CALLED, VIOLATING, WHOLE)
 """The version since which the rules are those of today."""

@@ -232,6 +232,18 @@ def _there(
         known = parameters(there, Catalogue.model_validate(snapshots[0]["document"]))
         values = {path: value for path, (_, value) in known.items() if path not in there.uncertain}
         found["baseline.fixed"] = (dict(baseline.fixed), values)
+    if baseline.parts is not None:
+        found["baseline.parts"] = (dict(baseline.parts), _components(there))
+    return found
+
+
+def _components(campaign: Campaign) -> dict[str, str]:
+    """The listed components of a scenario, with what they act on."""
+    scenario, found = campaign.scenario, {}
+    for name in ("obstacles", "environment", "faults"):
+        for i, part in enumerate(getattr(scenario, name, [])):
+            on = getattr(part, "on", "")
+            found[f"{name}.{i}"] = part.component + (f" on {on}" if on else "")
     return found
 
 

@@ -11,7 +11,7 @@ from campaigns.claims.stages import earlier_run
 from campaigns.results.base import OK, STATUS
 from campaigns.results.stage import Reevaluated
 from campaigns.stages.baseline import BaselineResult
-from worker.evidence.audit import limits
+from worker.evidence.audit import limits, listed
 from worker.evidence.audit.parts import OMIT, REST, changed, made
 from worker.evidence.audit.recompute import Run
 
@@ -37,7 +37,12 @@ def evaluated(run: Run) -> BaselineResult:
         earlier_run.Case(c.label, c.index is not None, c.status == STATUS[OK], r["reason"], r["assumed"])
         for c, r in zip(cases, stated, strict=True)
     ]
-    statement = earlier_run.evaluated(baseline.run, of, (baseline.threshold, run.threshold), run.unit)
+    known = listed.parts(run)
+    seen = [case.parameters for case, again in zip(baseline.cases, cases, strict=True) if again.index is not None]
+    moved = {
+        part: q for values in seen if listed.complete(values, known) for part, q in listed.moved(values, known).items()
+    }
+    statement = earlier_run.evaluated(baseline.run, of, (baseline.threshold, run.threshold), run.unit, moved)
     return made(BaselineResult, run=baseline.run, cases=cases, statement=OMIT if run.reworded else statement)
 
 
@@ -51,23 +56,23 @@ def _evaluated(run: Run, case: BaselineCase, k: int | None) -> Reevaluated:
         index = "an evaluation" if _possible(run, case) else None
         at = dict(case.parameters)
         return changed(found, parameters=at, point=[], status=None, cost=math.nan, index=index)
-    ok = status[k] == OK
+    ok, at = status[k] == OK, listed.here(case.parameters, listed.parts(run))
     return changed(
         found, index=k, parameters=run.values(points[k]), point=points[k].tolist(),
         status=dict(enumerate(STATUS)).get(int(status[k])), cost=float(costs[k]) if ok else math.nan,
-        assumed=[path for path in run.bounds if path not in case.parameters], reason="" if ok else OMIT,
+        assumed=[path for path in run.bounds if path not in at], reason="" if ok else OMIT,
     )  # fmt: skip
 
 
 def there(run: Run, case: BaselineCase, point: Any) -> bool:
     """Whether a point is at all values of a finding, those that the baseline did not vary included; before `EACH` these
     were nominal. What is beyond a bound by rounding is evaluated at the bound."""
-    baseline, at = run.campaign.baseline, run.values(point)
+    baseline, at, parts = run.campaign.baseline, run.values(point), listed.parts(run)
     here = {path: nominal for path, (_, nominal) in run.known.items()} | at
     slack = dict.fromkeys(here, 0.0) | dict(zip(at, SLACK * (run.high - run.low), strict=True))
-    fixed = (baseline.fixed if baseline is not None and run.wording >= limits.EACH else None) or {}
-    wanted = {path: fixed.get(path, run.known[path][1]) for path in at} | case.parameters
-    return all(path in here and abs(here[path] - value) <= slack[path] for path, value in wanted.items())
+    fixed = listed.here((baseline.fixed if baseline is not None and run.wording >= limits.EACH else None) or {}, parts)
+    wanted = {path: fixed.get(path, run.known[path][1]) for path in at} | listed.here(case.parameters, parts)
+    return listed.complete(case.parameters, parts) and all(path in here and abs(here[path] - value) <= slack[path] for path, value in wanted.items())
 
 
 def _possible(run: Run, case: BaselineCase) -> bool:
@@ -82,21 +87,24 @@ def _possible(run: Run, case: BaselineCase) -> bool:
 
     noise = case.realisation is None or bool(run.random)
     shown = noise and looked(run, case) and _stated(run, case)
-    return shown and all(fits(path, value) for path, value in case.parameters.items())
+    here = listed.here(case.parameters, listed.parts(run))
+    return shown and all(fits(path, value) for path, value in here.items())
 
 
 def _stated(run: Run, case: BaselineCase) -> bool:
     """Whether what the baseline did not vary is known, within the bounds where this campaign varies it, and the same
-    where it selects a realisation; before `EACH` it was nominal."""
+    where it selects a realisation; before `EACH` it was nominal. Since `PARTS` all parts of a case are here."""
     baseline = run.campaign.baseline
     if baseline is None or run.wording < limits.EACH:
         return True
-    values = (baseline.fixed or {}) | case.parameters
-    seeds = [path for path in run.fixed_seeds if path not in run.bounds and path not in case.parameters]
+    known = listed.parts(run)
+    if not listed.complete(case.parameters, known) or not listed.numbered(run, known):
+        return False
+    own = listed.here(case.parameters, known)
+    values = listed.here(baseline.fixed or {}, known) | own
+    seeds = [path for path in run.fixed_seeds if path not in run.bounds and path not in own]
     alike = all(values.get(path) == run.known[path][1] for path in seeds)
-    return alike and all(
-        path in values and (path in case.parameters or _within(run, path, values[path])) for path in run.bounds
-    )
+    return alike and all(path in values and (path in own or _within(run, path, values[path])) for path in run.bounds)
 
 
 def _within(run: Run, path: str, value: float) -> bool:

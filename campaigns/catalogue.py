@@ -236,6 +236,9 @@ class SimulatorEntry(Entry):
     step: Annotated[str | None, UNSTATED] = None
     """The name of its step, which is halved when cases are confirmed; of an FMU the communication step; omitted if it
     declares none."""
+    seeds: Annotated[dict[str, str], UNSTATED] = {}
+    """Parameters of its function that select a realisation of noise and that it does not declare, by name with the
+    value that every call has."""
 
     @property
     def version(self) -> str:

@@ -118,10 +118,15 @@ def seeded(campaign: Campaign, catalogue: Catalogue) -> list[str]:
     return [f"{prefix}.{p.name}" for prefix, entry in random for p in entry.parameters if p.name == SEED]
 
 
+def selects_realisation(path: str) -> bool:
+    """Whether a parameter of this name or path does, by its name."""
+    return _SEEDS.search(f".{path}") is not None
+
+
 def unvaried(campaign: Campaign, nominal: Mapping[str, float]) -> list[str]:
     """Those of a campaign's parameters, by path with their nominal values, that select a realisation, are not uniform
     over many whole numbers, and that no realisations vary."""
-    seeds = (path for path in nominal if _SEEDS.search(path))
+    seeds = (path for path in nominal if selects_realisation(path))
     varied = tuple(f"{name}." for name, role in LISTED.items() if role in RANDOM)
     realised = (path for path in seeds if not (path.startswith(varied) and path.endswith(f".{SEED}")))
     return [path for path in realised if not _many(campaign.uncertain.get(path), nominal[path])]

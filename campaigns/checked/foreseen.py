@@ -5,7 +5,7 @@ Known before anything is evaluated, so that no run is begun in vain. Start readi
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from itertools import combinations
 from typing import NamedTuple
 
@@ -34,6 +34,15 @@ def one_realisation(campaign: Campaign, paths: Sequence[str]) -> str:
         why = f"{verb} fixed, which selects one realisation of the noise"
         return f"{words(listed(fixed))} {why}; make {other} uncertain, {many}"
     return f"{words(listed(paths))} {verb} not {many}, so that few realisations of the noise decide; widen the bounds"
+
+
+def undeclared(seeds: Mapping[str, str]) -> str:
+    """Why nothing is known of other noise where a function has these seeds, which no campaign can vary."""
+    named = words(listed([f"{name} = {value}" for name, value in seeds.items()]))
+    each, other = ("is", "it") if len(seeds) == 1 else ("are", "them")
+    why = f"{named} {each} the same in every call of the function, which selects one realisation of the noise"
+    many = f"uniform over at least {rules.REALISATIONS.value} whole numbers"
+    return f"{why}; make {other} a parameter of the search, uncertain, {many}"
 
 
 class Barred(NamedTuple):
@@ -102,6 +111,9 @@ def _evaluations(campaign: Campaign, catalogue: Catalogue) -> Iterator[Barred]:
     nominal = {path: value for path, (_, value) in parameters(campaign, catalogue).items()}
     if seeds := unvaried(campaign, nominal):
         yield Barred(CheckCode.NOISE, one_realisation(campaign, seeds))
+    entry = None if campaign.simulator is None else catalogue.simulator(campaign.simulator.name)
+    if entry is not None and entry.seeds:
+        yield Barred(CheckCode.NOISE, undeclared(entry.seeds))
     if (simulator := campaign.simulator) is not None:
         if simulator.calls > 1 and simulator.combine != "worst":
             why = f"a {simulator.combine} can hide a violation by one of the calls; set combine to worst"

@@ -24,6 +24,7 @@ from worker.engine.systems.simulators.declared.function import (
     Settings,
     accepts,
     check,
+    constants,
     finite,
 )
 
@@ -66,7 +67,7 @@ def request_of(
     output = Output(unit=_line("unit", unit, 30), quantity=_line("quantity", quantity, 60) or "value")
     declaration = Declaration(
         _named(label), _title(label), inspect.getdoc(fly) or "", declared, {"value": output}, settings,
-        reads=reads,
+        reads=reads, constants=constants(fly, declared),
     )  # fmt: skip
     check(declaration)
     accepts(fly, declared)

@@ -82,12 +82,14 @@ class Result:
 class Realised:
     """The noise realisations that every evaluation simulates, and how their costs combine.
 
-    random: whether the seed affects an evaluation at all.
+    random: whether the seed affects an evaluation at all; undeclared: seeds that no campaign can vary, with their
+    values.
     """
 
     seeds: tuple[int, ...] = (0,)
     combine: str = "worst"
     random: bool = False
+    undeclared: Mapping[str, str] = field(default_factory=dict, kw_only=True)
 
     @property
     def several(self) -> bool:

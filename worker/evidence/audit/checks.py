@@ -161,7 +161,7 @@ def _probability(run: Run) -> dict[str, bool]:
     if excluded and run.wording >= limits.EACH:
         searched = [run.rows(k)[2] == EXCLUDED for k in run.searches]
         excluded = max([excluded, *(float(np.mean(one)) for one in searched if len(one))])
-    if run.fixed_seeds:
+    if run.fixed_seeds or run.undeclared:
         checks["noise"] = False
     elif run.random:
         realisations = campaign.given_scenario.realisations

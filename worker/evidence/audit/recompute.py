@@ -271,6 +271,8 @@ class Run:
         self.random = seeded(self.campaign, components)
         stated = [(path, self.campaign.uncertain.get(path), nominal) for path, (_, nominal) in self.known.items()]
         self.fixed_seeds = [each[0] for each in stated if self.wording >= limits.EACH and seeds.fixed(*each)]
+        named = self.campaign.simulator and components.simulator(self.campaign.simulator.name)
+        self.undeclared = bool(named and named.seeds) and self.wording >= limits.PARTS
         self.quantity, self.unit = self._decides(components)
         self.installed = {method.name: method for method in components.methods}
         self.methods = {k: self.installed[self.plan[k].method] for k in self.searches}

@@ -45,6 +45,8 @@ class Recorded(System):
         if campaign.scenario is not None:
             stated = campaign.scenario.realisations
             self.realisations = Realised(tuple(stated.seeds), stated.combine, bool(seeded(campaign, catalogue)))
+        elif campaign.simulator is not None and (entry := catalogue.simulator(campaign.simulator.name)) is not None:
+            self.realisations = Realised(undeclared=entry.seeds)
 
     @property
     def digest(self) -> str:

@@ -8,7 +8,7 @@ from __future__ import annotations
 from campaigns import rules
 from campaigns.asked.sample_bound import needed
 from campaigns.checked.check import unvaried
-from campaigns.checked.foreseen import MEAN, one_realisation
+from campaigns.checked.foreseen import MEAN, one_realisation, undeclared
 from campaigns.claims.say import amount, at_most, count, goal, listed, percent, say
 from campaigns.claims.say import probability as share
 from campaigns.claims.spans import Spans
@@ -65,6 +65,8 @@ def _noise(problem: Problem, evidence: Evidence) -> list[Check]:
     realised, code = problem.realisations, CheckCode.NOISE
     if few := unvaried(problem.campaign, {p.path: p.nominal for p in problem.system.parameters}):
         return [check(code, False, one_realisation(problem.campaign, few))]
+    if realised.undeclared:
+        return [check(code, False, undeclared(realised.undeclared))]
     if not realised.random:
         return []
     seeds = listed([str(seed) for seed in realised.seeds])

@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import Any
 
 from campaigns.catalogue import ParameterEntry, SimulatorEntry
+from campaigns.checked.check import selects_realisation
 from campaigns.documents import JsonObject
 from worker.engine.systems.simulators.declared.columns import Column
 from worker.engine.systems.simulators.declared.described import Described
@@ -69,6 +70,7 @@ def entry_of(declaration: Declaration) -> SimulatorEntry:
             for name, p in d.parameters.items()
         ],
         results=result_entries(d.results),
+        seeds={name: value for name, value in d.constants.items() if selects_realisation(name)},
     )
 
 
@@ -151,4 +153,5 @@ def _restored(document: JsonObject) -> Declaration:
         Settings(**document["settings"]),
         {name: Column(**c) for name, c in document["trace"].items()},
         document["scene"],
+        constants=document["constants"],
     )

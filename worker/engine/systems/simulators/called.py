@@ -12,7 +12,8 @@ import numpy as np
 from campaigns.asked.spec import Simulator
 from campaigns.results.base import EXCLUDED, FAILED, FLAKY, OK, TIMEOUT
 from worker.engine.search.base import Batch
-from worker.engine.systems.base import Evaluated, Floats, Reasons, Seeds, Slotted, System, Trace, slotted
+from worker.engine.systems import optional
+from worker.engine.systems.base import Evaluated, Floats, Realised, Reasons, Seeds, Slotted, System, Trace, slotted
 from worker.engine.systems.simulators.pooled import batch_of, gathered
 from worker.engine.systems.simulators.simulated import Simulated
 
@@ -33,6 +34,10 @@ class Called(Simulated):
         self.repeatable, self.settings = inner.repeatable, inner.settings
         self.elsewhere, self.campaign_command = inner.elsewhere, inner.campaign_command
         self.step = inner.step if isinstance(inner, Simulated) else None
+
+    @property
+    def realisations(self) -> Realised:
+        return optional.realisations(self.inner)
 
     def fresh(self) -> Slotted:
         """This system without any state of earlier calls; what is compared in fresh processes is not tried again."""

@@ -25,6 +25,7 @@ from worker.engine.systems.simulators.cluster.address import chosen
 from worker.engine.systems.simulators.cluster.work import Files
 from worker.engine.systems.simulators.declared.folder import files_of_place
 from worker.engine.systems.simulators.declared.function import Declaration
+from worker.engine.systems.simulators.declared.memoised import stores
 from worker.engine.systems.simulators.declared.simulator import Opening
 from worker.engine.systems.simulators.declared.unchanged import Unchanged
 from worker.engine.systems.simulators.identity import identified
@@ -84,10 +85,18 @@ class InProcess(_OfFunction):
             unread = identity.unknown
         super().__init__(entry, opening, declaration, digest, unread)
         self.call, self.unchanged = call, unchanged
+        self._stores: list[Callable[[], object]] = []
 
     def fresh(self) -> InProcess:
+        """This function, of which each call is made: no store of results answers it."""
         basics = self.entry, self.opening, self.declaration, self.files_digest, self.unread
-        return InProcess(self.call, *basics, self.unchanged)
+        made = InProcess(self.call, *basics, self.unchanged)
+        made._stores = stores(self.call)
+        return made
+
+    def _forget(self) -> None:
+        for clear in self._stores:
+            clear()
 
     def evaluate(self, vectors: Floats, seeds: Seeds | None = None) -> tuple[Batch, Reasons]:
         if self.of.vectorized:
@@ -110,6 +119,7 @@ class InProcess(_OfFunction):
         names, every, result, call = self.names_given, self.every, self.results[0].name, self.call
         values, failed, excluded = [np.nan] * len(vectors), Reasons(), Reasons()
         for k, row in enumerate(vectors.tolist()):
+            self._forget()
             answer = calling.called(call, dict(zip(names, row, strict=True)), every)
             if "failed" in answer:
                 failed[k] = answer["failed"]
@@ -123,6 +133,7 @@ class InProcess(_OfFunction):
         """Evaluate all rows by one call, or one by one if that raises, so that only the rows at fault fail or are
         excluded. If none of them is, that call has failed and was tried again."""
         m = len(vectors)
+        self._forget()
         columns = {name: np.array(column) for name, column in zip(self.names_given, vectors.T, strict=True)}
         try:
             returned = self._columns(self.call(**columns), m)

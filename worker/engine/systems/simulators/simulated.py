@@ -13,7 +13,7 @@ import numpy as np
 from campaigns.catalogue import SimulatorEntry
 from campaigns.results.base import OK
 from campaigns.results.scene import Scene
-from worker.engine.systems.base import Comparison, Confirmed, Floats, Parameter, Result, Slotted, with_values
+from worker.engine.systems.base import Comparison, Confirmed, Floats, Parameter, Realised, Result, Slotted, with_values
 from worker.engine.systems.simulators.declared.columns import Column
 from worker.engine.systems.simulators.declared.simulator import Opening
 from worker.engine.systems.simulators.declared.unchanged import Unchanged
@@ -57,6 +57,10 @@ class Simulated(Slotted):
         now: look at them now, not only now and then; everywhere: also on other machines that evaluate.
         """
         return "" if self.unchanged is None else self.unchanged.changed(now)
+
+    @property
+    def realisations(self) -> Realised:
+        return Realised(undeclared=self.entry.seeds)
 
     def _vector(self, values: Mapping[str, float]) -> Floats:
         """The nominal vector with these values by path; raises KeyError."""

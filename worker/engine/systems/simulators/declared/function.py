@@ -92,6 +92,8 @@ class Declaration:
     """Which of them are positions of what, as `campaigns.results.scene.Scene`."""
     reads: tuple[str, ...] = ()
     """Its data files, relative to the folder of its file."""
+    constants: Mapping[str, str] = field(default_factory=dict)
+    """The values of the function's other parameters, which are the same in every call."""
 
     @property
     def drawn(self) -> Any:
@@ -165,8 +167,8 @@ def simulator(
         returned = {"value": Output()} if results is None else dict(_mapping("results", results))
         text = inspect.getdoc(call) or ""
         traced = {} if trace is None else columns(trace)
-        data = data_paths(reads)
-        declaration = Declaration(named, title or named, text, inputs, returned, settings, traced, scene, data)
+        data, others = data_paths(reads), constants(call, inputs)
+        declaration = Declaration(named, title or named, text, inputs, returned, settings, traced, scene, data, others)
         check(declaration)
         accepts(call, inputs)
         if traced:
@@ -218,6 +220,25 @@ def accepts(call: Callable[..., Any], names: Mapping[str, object]) -> None:
             f"{label}{signature} cannot be called as {label}({keywords}): {error}; "
             "name the parameters as the function does"
         ) from None
+
+
+def constants(call: Callable[..., Any], names: Mapping[str, object]) -> dict[str, str]:
+    """The other parameters of a function, by name with what it receives for each: its default, or what
+    `functools.partial` binds. Not those without a value, and generators, which give other numbers in each call."""
+    found: dict[str, Any] = {}
+    try:
+        signature = inspect.signature(call)
+        found = {name: p.default for name, p in signature.parameters.items() if p.default is not p.empty}
+        while isinstance(call, functools.partial):
+            found = {**call.keywords, **inspect.signature(call.func).bind_partial(*call.args).arguments, **found}
+            call = call.func
+    except (TypeError, ValueError):  # a function of C without one
+        pass
+    return {name: repr(value)[:60] for name, value in found.items() if name not in names and _constant(value)}
+
+
+def _constant(value: object) -> bool:
+    return value is not None and not callable(value) and not hasattr(value, "random")
 
 
 def _accepts_trace(call: Callable[..., Any], names: Mapping[str, object]) -> None:

@@ -1,0 +1,120 @@
+"""Noise that a function does not show: of a seed that it has by default, and behind a store of results."""
+
+from __future__ import annotations
+
+import functools
+import random
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import clearance
+from clearance.function.result import Result
+from tests.audited import audited
+from worker.engine.systems.simulators.declared.function import constants
+from worker.engine.systems.simulators.declared.memoised import stores
+from worker.running.catalogue.files import entry_of, read_file
+
+AB: dict[str, tuple[float, float]] = {"a": (0.0, 1.0), "b": (0.0, 1.0)}
+
+
+def seeded(a: float, b: float, seed: int = 3) -> float:
+    gust = np.random.default_rng(int(seed)).normal()
+    return float(3.0 - 0.8 * a * a - 0.5 * b + 0.6 * min(gust, 0.0))
+
+
+def first(seed: int, a: float, b: float) -> float:
+    return seeded(a, b, seed)
+
+
+def options(a: float, b: float, **others: Any) -> float:
+    return seeded(a, b, others["noise_seed"])
+
+
+@functools.wraps(seeded)
+def wrapped(*args: Any, **kwargs: Any) -> float:
+    return seeded(*args, **kwargs)
+
+
+@functools.cache
+def stored(a: float, b: float) -> float:
+    return 3.0 - 0.8 * a * a - 0.5 * b + 0.003 * random.gauss(0.0, 1.0)
+
+
+def through(a: float, b: float) -> float:
+    return stored(a, b)
+
+
+def searched(call: Callable[..., Any]) -> Result:
+    return clearance.search(call, AB, threshold=1.3, budget=1500, validation=3000)
+
+
+def failing(result: Result) -> list[str]:
+    return [check.text for check in result.verdict.checks if check.standing != "holds"]
+
+
+@pytest.mark.parametrize(
+    ("call", "seeds"),
+    [
+        (seeded, {"seed": "3"}),
+        (wrapped, {"seed": "3"}),
+        (functools.partial(seeded, seed=4), {"seed": "4"}),
+        (functools.partial(functools.partial(seeded, seed=4), seed=5), {"seed": "5"}),
+        (functools.partial(first, 7), {"seed": "7"}),
+        (functools.partial(options, noise_seed=8), {"noise_seed": "8"}),
+        (lambda a, b, *, random_state=0: a, {"random_state": "0"}),
+        (lambda a, b, rng=2: a, {"rng": "2"}),
+        # Other noise in each call is noise that is measured, and other parameters are none.
+        (lambda a, b, seed=None: a, {}),
+        (lambda a, b, rng=random.Random(1): a, {}),  # noqa: B008
+        (lambda a, b, rng=np.random.default_rng: a, {}),
+        (lambda a, b, gain=2.0, seeding=1: a, {}),
+        (min, {}),
+    ],
+)
+def test_a_seed_that_every_call_has_is_named(call: Callable[..., Any], seeds: dict[str, str]) -> None:
+    named = clearance.simulator(parameters=AB, name="f")(call) if call is not min else None
+    assert named is None or entry_of(named.declaration).seeds == seeds
+    assert {name: value for name, value in constants(call, AB).items() if name in seeds} == seeds
+    assert "seed" not in constants(seeded, {**AB, "seed": 1})
+
+
+def test_a_seed_that_every_call_has_bars_cleared_as_a_declared_one(tmp_path: Path) -> None:
+    for call in (seeded, functools.partial(seeded, seed=3)):
+        result = searched(call)
+        assert result.verdict != "cleared"
+        (why,) = failing(result)  # nothing else bars it
+        assert why.startswith("seed = 3 is the same in every call of the function, which selects one realisation")
+    result.save(tmp_path / "out")
+    audited(tmp_path / "out")
+
+
+def test_the_seed_of_a_function_in_a_file_is_named(tmp_path: Path) -> None:
+    file = tmp_path / "drop.py"
+    file.write_text(
+        "import clearance\n\n@clearance.simulator(parameters={'a': (0, 1)})\ndef drop(a, seed=3):\n    return a\n"
+    )
+    (function,) = read_file(file)
+    assert function.entry.seeds == {"seed": "3"}
+
+
+def test_a_store_of_results_answers_no_call_that_shows_whether_they_repeat() -> None:
+    for call in (stored, through, functools.partial(through)):
+        result = searched(call)
+        assert result.verdict != "cleared"
+        assert not any("repeats bit by bit" in check.text for check in result.verdict.checks)
+
+
+def test_stores_are_found_where_the_code_names_them() -> None:
+    def inner(a: float) -> float:
+        return stored(a, 0.0)
+
+    for call in (stored, through, functools.partial(stored, 1.0), inner):
+        stored(0.0, 0.0)
+        for clear in stores(call):
+            clear()
+        assert stored.cache_info().currsize == 0
+    assert stores(seeded) == []

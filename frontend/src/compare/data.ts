@@ -6,6 +6,7 @@ import type { Catalogue, Evaluations, FindingDetail, RunDetail, StageDetail, Tra
 import { conditionsOf } from '../format/counts'
 import { worstOf } from '../run/data/chosen'
 import { uncertainOf, type UncertainParameter } from '../run/data/data'
+import { partsOf } from './matching'
 import { DASHES, LETTERS } from './search'
 
 export interface Compared {
@@ -21,6 +22,8 @@ export interface Compared {
   /** The descriptions of its components and methods. */
   catalogue: Catalogue | undefined
   parameters: UncertainParameter[]
+  /** The listed parts of which something varies (`partsOf`). */
+  parts: string
 }
 
 export interface Comparison {
@@ -59,6 +62,7 @@ export function useCompared(ids: readonly string[]): Comparison {
       const run = runs[at]?.data
       if (!run) return []
       const flown = traced.includes(id)
+      const parameters = uncertainOf(asCampaign(run.campaign), components[i]?.data?.catalogue)
       return {
         id,
         letter: LETTERS[at] ?? '',
@@ -70,7 +74,8 @@ export function useCompared(ids: readonly string[]): Comparison {
         nominal: (flown && nominal[i]?.data) || undefined,
         worst: (flown && worst[i]?.data) || undefined,
         catalogue: components[i]?.data?.catalogue,
-        parameters: uncertainOf(asCampaign(run.campaign), components[i]?.data?.catalogue),
+        parameters,
+        parts: partsOf(asCampaign(run.campaign), parameters.map(({ path }) => path)),
       }
     }),
   }

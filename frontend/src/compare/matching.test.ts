@@ -1,14 +1,15 @@
 // Matching findings of several runs.
 import { expect, it } from 'vitest'
 import * as fixtures from '../../tests/fixtures'
+import type { Campaign } from '../api/campaign'
 import type { FindingDetail } from '../client'
 import type { UncertainParameter } from '../run/data/data'
-import { type Case, matched, type Searched } from './matching'
+import { type Case, matched, partsOf, type Searched } from './matching'
 
 const finding = (label: string, m: number, J = 0) =>
   fixtures.finding(label, { parameters: { 'vehicle.m': m, 'vehicle.J': J } })
 const parameters: UncertainParameter[] = ['vehicle.m', 'vehicle.J'].map((path) => ({ path, symbol: path, unit: '', text: '', nominal: 5, low: 0, high: 10 }))
-const run = (...findings: FindingDetail[]): Searched => ({ findings, parameters })
+const run = (...findings: FindingDetail[]): Searched => ({ findings, parameters, parts: '' })
 const labels = (cases: Case[] | null) => cases?.map((one) => one.map((f) => f?.label ?? '-').join(' '))
 
 it('puts together what lies at the same place, whatever its rank', () => {
@@ -34,6 +35,16 @@ it('finds a case of the second run again in the third', () => {
 })
 
 it('knows no place where other parameters vary', () => {
-  const other = { findings: [finding('F1', 0)], parameters: parameters.slice(1) }
+  const other = { findings: [finding('F1', 0)], parameters: parameters.slice(1), parts: '' }
   expect(matched([run(finding('F1', 0)), other])).toBeNull()
+})
+
+it('knows no place where a list has another part at the position', () => {
+  const walker = (x: number, speed: number) => ({ component: 'moving_circle', parameters: { position: { x }, speed } })
+  const listing = (...obstacles: object[]) => ({ scenario: { obstacles } }) as unknown as Campaign
+  const parts = (campaign: Campaign) => partsOf(campaign, ['vehicle.m', 'obstacles.0.speed'])
+  const [a, b, again] = [listing(walker(6, 1), walker(3, 1)), listing(walker(3, 1), walker(6, 1)), listing(walker(6, 1.2))].map(parts)
+  const at = (own: string | undefined) => ({ ...run(finding('F1', 0)), parts: own ?? '' })
+  expect(matched([at(a), at(b)])).toBeNull()
+  expect(labels(matched([at(a), at(again)]))).toEqual(['F1 F1'])
 })

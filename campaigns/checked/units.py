@@ -9,7 +9,7 @@ from campaigns.asked.criteria import deciding
 from campaigns.asked.spec import Campaign
 from campaigns.catalogue import Catalogue
 from campaigns.checked.check import parameters
-from campaigns.checked.listed import Listed, matched, renamed
+from campaigns.checked.lists import Listed, matched, renamed
 from campaigns.checked.texts import unit
 
 CRITERION = "its criterion"

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
+from campaigns.asked.lists import components, prefix_of
 from campaigns.asked.load import load_document
 from campaigns.asked.problem import CampaignError
 from campaigns.asked.spec import Campaign, Criterion, Repeats
-from campaigns.checked.listed import components, prefix_of
 from campaigns.results.finding import Finding, Validation
 
 

@@ -1,7 +1,7 @@
 """Baseline: the findings of an earlier run on this model, one evaluation each.
 
 A finding is evaluated at all values that it has there, those that its campaign fixed included, on the same obstacles
-and faults, wherever they are listed (`campaigns.checked.listed`). One whose parameters
+and faults, wherever they are listed (`campaigns.checked.lists`). One whose parameters
 this campaign cannot have, or that an evaluation of it would not show, is named with the reason and not evaluated. One
 that drew its own noise is evaluated with the same seed. The evaluations are stored as all others, so that the minimum
 counts them, and validation descends from each of them (`worker.engine.stages.parts.findings`).
@@ -14,10 +14,11 @@ from collections.abc import Iterator, Mapping
 import numpy as np
 
 from campaigns import Campaign
+from campaigns.asked.lists import prefix_of
 from campaigns.asked.regression import Baseline, BaselineCase
 from campaigns.asked.scenario import Repeats
 from campaigns.checked.check import unvaried
-from campaigns.checked.listed import Listed, matched, prefix_of, renamed, renumbered
+from campaigns.checked.lists import Listed, matched, renamed, renumbered
 from campaigns.claims.stages import earlier_run, ends
 from campaigns.results.base import OK, STATUS
 from campaigns.results.stage import Reevaluated

@@ -11,7 +11,7 @@ from campaigns.claims.stages import earlier_run
 from campaigns.results.base import OK, STATUS
 from campaigns.results.stage import Reevaluated
 from campaigns.stages.baseline import BaselineResult
-from worker.evidence.audit import limits, listed
+from worker.evidence.audit import limits, lists
 from worker.evidence.audit.parts import OMIT, REST, changed, made
 from worker.evidence.audit.recompute import Run
 
@@ -37,10 +37,10 @@ def evaluated(run: Run) -> BaselineResult:
         earlier_run.Case(c.label, c.index is not None, c.status == STATUS[OK], r["reason"], r["assumed"])
         for c, r in zip(cases, stated, strict=True)
     ]
-    known = listed.parts(run)
+    known = lists.parts(run)
     seen = [case.parameters for case, again in zip(baseline.cases, cases, strict=True) if again.index is not None]
     moved = {
-        part: q for values in seen if listed.complete(values, known) for part, q in listed.moved(values, known).items()
+        part: q for values in seen if lists.complete(values, known) for part, q in lists.moved(values, known).items()
     }
     statement = earlier_run.evaluated(baseline.run, of, (baseline.threshold, run.threshold), run.unit, moved)
     return made(BaselineResult, run=baseline.run, cases=cases, statement=OMIT if run.reworded else statement)
@@ -56,7 +56,7 @@ def _evaluated(run: Run, case: BaselineCase, k: int | None) -> Reevaluated:
         index = "an evaluation" if _possible(run, case) else None
         at = dict(case.parameters)
         return changed(found, parameters=at, point=[], status=None, cost=math.nan, index=index)
-    ok, at = status[k] == OK, listed.here(case.parameters, listed.parts(run))
+    ok, at = status[k] == OK, lists.here(case.parameters, lists.parts(run))
     return changed(
         found, index=k, parameters=run.values(points[k]), point=points[k].tolist(),
         status=dict(enumerate(STATUS)).get(int(status[k])), cost=float(costs[k]) if ok else math.nan,
@@ -67,12 +67,14 @@ def _evaluated(run: Run, case: BaselineCase, k: int | None) -> Reevaluated:
 def there(run: Run, case: BaselineCase, point: Any) -> bool:
     """Whether a point is at all values of a finding, those that the baseline did not vary included; before `EACH` these
     were nominal. What is beyond a bound by rounding is evaluated at the bound."""
-    baseline, at, parts = run.campaign.baseline, run.values(point), listed.parts(run)
+    baseline, at, parts = run.campaign.baseline, run.values(point), lists.parts(run)
     here = {path: nominal for path, (_, nominal) in run.known.items()} | at
     slack = dict.fromkeys(here, 0.0) | dict(zip(at, SLACK * (run.high - run.low), strict=True))
-    fixed = listed.here((baseline.fixed if baseline is not None and run.wording >= limits.EACH else None) or {}, parts)
-    wanted = {path: fixed.get(path, run.known[path][1]) for path in at} | listed.here(case.parameters, parts)
-    return listed.complete(case.parameters, parts) and all(path in here and abs(here[path] - value) <= slack[path] for path, value in wanted.items())
+    fixed = lists.here((baseline.fixed if baseline is not None and run.wording >= limits.EACH else None) or {}, parts)
+    wanted = {path: fixed.get(path, run.known[path][1]) for path in at} | lists.here(case.parameters, parts)
+    if not lists.complete(case.parameters, parts):
+        return False
+    return all(path in here and abs(here[path] - value) <= slack[path] for path, value in wanted.items())
 
 
 def _possible(run: Run, case: BaselineCase) -> bool:
@@ -87,7 +89,7 @@ def _possible(run: Run, case: BaselineCase) -> bool:
 
     noise = case.realisation is None or bool(run.random)
     shown = noise and looked(run, case) and _stated(run, case)
-    here = listed.here(case.parameters, listed.parts(run))
+    here = lists.here(case.parameters, lists.parts(run))
     return shown and all(fits(path, value) for path, value in here.items())
 
 
@@ -97,11 +99,11 @@ def _stated(run: Run, case: BaselineCase) -> bool:
     baseline = run.campaign.baseline
     if baseline is None or run.wording < limits.EACH:
         return True
-    known = listed.parts(run)
-    if not listed.complete(case.parameters, known) or not listed.numbered(run, known):
+    known = lists.parts(run)
+    if not lists.complete(case.parameters, known) or not lists.numbered(run, known):
         return False
-    own = listed.here(case.parameters, known)
-    values = listed.here(baseline.fixed or {}, known) | own
+    own = lists.here(case.parameters, known)
+    values = lists.here(baseline.fixed or {}, known) | own
     seeds = [path for path in run.fixed_seeds if path not in run.bounds and path not in own]
     alike = all(values.get(path) == run.known[path][1] for path in seeds)
     return alike and all(path in values and (path in own or _within(run, path, values[path])) for path in run.bounds)

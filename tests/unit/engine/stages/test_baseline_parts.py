@@ -10,9 +10,10 @@ import pytest
 
 from campaigns import Campaign
 from campaigns.asked.load import load_document
-from campaigns.checked import listed
+from campaigns.checked import lists as listed
 from campaigns.checked.check import parameters
 from campaigns.checked.units import differing, fixed
+from campaigns.claims.stages.earlier_run import certain, other_index, renumbered, unidentified, unknown
 from campaigns.results import Finding
 from campaigns.results.baselines import with_baseline
 from tests.given import verdict_evidence as given
@@ -20,7 +21,7 @@ from tests.given.baseline_stage import context, ran
 from tests.given.case_campaigns import searching
 from worker.engine.search.base import Floats
 from worker.evidence.audit import limits, reevaluation
-from worker.evidence.audit import listed as again
+from worker.evidence.audit import lists as again
 from worker.running.catalogue.installed import catalogue
 
 
@@ -34,6 +35,7 @@ POST = {"component": "circle", "parameters": {"position": {"x": 4.0, "y": 4.0}, 
 BLACKOUT = {"component": "blackout", "parameters": {"at": 8.0, "duration": 0.2}}
 DROPOUT = {"component": "dropout", "parameters": {"at": 0.5, "duration": 0.2}}
 SPEED, AT, MASS = {"low": 0.8, "high": 1.4}, {"low": 0.0, "high": 20.0}, {"low": 4.0, "high": 6.0}
+LOST = unidentified("obstacles.0", "R-0001", "moving_circle")
 CASE = {"speed": 1.3, "at": 3.0, "m": 6.0, "position.x": 5.0}
 
 
@@ -85,15 +87,15 @@ def audits(made: Campaign, index: int | None) -> bool:
         ([A, POST], ["0.speed"], [walker(6.5, 1.0), POST], ["0.speed"], "obstacles.0.speed", ""),
         ([A, POST], ["0.position.x"], [C, A, POST], ["1.position.x"], "obstacles.1.position.x", ""),
         # What was uncertain is another part's now.
-        ([A, B, POST], ["0.speed"], [B, A, POST], ["0.speed"], "", "obstacles.1.speed = 1.3 is no longer uncertain"),
-        ([A, B, POST], ["0.speed"], [C, A, B, POST], ["0.speed"], "", "value of obstacles.0.speed in R-0001 is not"),
-        ([C, A, B, POST], ["1.speed"], [A, B, POST], ["1.speed"], "", "obstacles.0.speed = 1.3 is no longer uncertain"),
+        ([A, B, POST], ["0.speed"], [B, A, POST], ["0.speed"], "", certain("obstacles.1.speed", 1.3, 1.0)),
+        ([A, B, POST], ["0.speed"], [C, A, B, POST], ["0.speed"], "", unknown("obstacles.0.speed", "R-0001")),
+        ([C, A, B, POST], ["1.speed"], [A, B, POST], ["1.speed"], "", certain("obstacles.0.speed", 1.3, 1.0)),
         # It is no part of this campaign, or may be several.
-        ([A, B, POST], ["0.speed"], [B, POST], ["0.speed"], "", "obstacles.0 of R-0001 (moving_circle) cannot be"),
+        ([A, B, POST], ["0.speed"], [B, POST], ["0.speed"], "", LOST),
         ([A, POST], ["0.speed"], [POST, A, A], ["1.speed"], "obstacles.1.speed", ""),
-        ([A, POST], ["0.speed"], [POST, A, A], ["1.speed", "2.speed"], "", "obstacles.0 of R-0001 (moving_circle) can"),
-        ([A, B, POST], ["0.speed"], [B, walker(6.5, 1.0), POST], ["0.speed"], "", "obstacles.0 of R-0001 (moving_cir"),
-        ([A, POST], ["0.speed"], [C, walker(6.5, 1.0), POST], ["0.speed"], "", "obstacles.0 of R-0001 (moving_circle)"),
+        ([A, POST], ["0.speed"], [POST, A, A], ["1.speed", "2.speed"], "", LOST),
+        ([A, B, POST], ["0.speed"], [B, walker(6.5, 1.0), POST], ["0.speed"], "", LOST),
+        ([A, POST], ["0.speed"], [C, walker(6.5, 1.0), POST], ["0.speed"], "", LOST),
     ],
 )
 def test_a_case_is_evaluated_on_the_obstacle_on_which_it_was_found(
@@ -128,15 +130,13 @@ def test_a_case_has_its_own_fault(
 
 def test_the_sentence_states_where_a_part_is_listed_here() -> None:
     made = compared(asked([A, B, POST], ["0.speed"]), asked([POST, A], ["1.speed"]))
-    assert (
-        ran(context(made, flat)).text == "1 of 1 finding of R-0001 evaluated; obstacles.0 of R-0001 is obstacles.1 here"
-    )
+    assert other_index("obstacles.0", "R-0001", "obstacles.1") in ran(context(made, flat)).text
 
 
 def test_a_baseline_that_does_not_store_its_parts_has_none_that_is_here() -> None:
     """Those of earlier versions; what a case has of other parameters is compared."""
     now = asked([A, POST], ["0.speed"])
-    for then, why in ((now, "obstacles.0 of R-0001 (its component is not stored) cannot be"), (asked([A], []), "")):
+    for then, why in ((now, unidentified("obstacles.0", "R-0001", "")), (asked([A], []), "")):
         made = compared(then, now if why else asked([A], []))
         document = made.document()
         del document["baseline"]["parts"]
@@ -150,7 +150,7 @@ def test_the_noise_of_a_part_is_drawn_by_its_number() -> None:
     noise, other = ({"component": "sensor_noise", "parameters": {"sigma": sigma}} for sigma in (0.01, 0.02))
     then, first, last = (asked(parts, [], "faults") for parts in ([noise], [other, noise], [noise, other]))
     (case,) = ran(context(compared(then, first), flat)).cases
-    assert "the noise of faults.0 of R-0001 is another one here" in case.reason
+    assert renumbered("faults.0", "R-0001") in case.reason
     assert audits(compared(then, first), case.index)
     (case,) = ran(context(compared(then, last), flat)).cases
     assert case.index == 0

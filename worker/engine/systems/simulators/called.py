@@ -12,7 +12,6 @@ import numpy as np
 from campaigns.asked.spec import Simulator
 from campaigns.results.base import EXCLUDED, FAILED, FLAKY, OK, TIMEOUT
 from worker.engine.search.base import Batch
-from worker.engine.systems import optional
 from worker.engine.systems.base import Evaluated, Floats, Realised, Reasons, Seeds, Slotted, System, Trace, slotted
 from worker.engine.systems.simulators.pooled import batch_of, gathered
 from worker.engine.systems.simulators.simulated import Simulated
@@ -37,7 +36,7 @@ class Called(Simulated):
 
     @property
     def realisations(self) -> Realised:
-        return optional.realisations(self.inner)
+        return self.inner.realisations if isinstance(self.inner, Simulated) else Realised()
 
     def fresh(self) -> Slotted:
         """This system without any state of earlier calls; what is compared in fresh processes is not tried again."""

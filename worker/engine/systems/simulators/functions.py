@@ -25,8 +25,8 @@ from worker.engine.systems.simulators.cluster.address import chosen
 from worker.engine.systems.simulators.cluster.work import Files
 from worker.engine.systems.simulators.declared.folder import files_of_place
 from worker.engine.systems.simulators.declared.function import Declaration
-from worker.engine.systems.simulators.declared.memoised import stores
 from worker.engine.systems.simulators.declared.simulator import Opening
+from worker.engine.systems.simulators.declared.stores import stores
 from worker.engine.systems.simulators.declared.unchanged import Unchanged
 from worker.engine.systems.simulators.identity import identified
 from worker.engine.systems.simulators.pooled import Pooled

@@ -12,7 +12,7 @@ import inspect
 import os
 import re
 import sys
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from types import ModuleType
@@ -222,18 +222,16 @@ def accepts(call: Callable[..., Any], names: Mapping[str, object]) -> None:
         ) from None
 
 
-def constants(call: Callable[..., Any], names: Mapping[str, object]) -> dict[str, str]:
+def constants(call: Callable[..., Any], names: Collection[str]) -> dict[str, str]:
     """The other parameters of a function, by name with what it receives for each: its default, or what
     `functools.partial` binds. Not those without a value, and generators, which give other numbers in each call."""
-    found: dict[str, Any] = {}
     try:
-        signature = inspect.signature(call)
-        found = {name: p.default for name, p in signature.parameters.items() if p.default is not p.empty}
+        found = {name: p.default for name, p in inspect.signature(call).parameters.items() if p.default is not p.empty}
         while isinstance(call, functools.partial):
             found = {**call.keywords, **inspect.signature(call.func).bind_partial(*call.args).arguments, **found}
             call = call.func
     except (TypeError, ValueError):  # a function of C without one
-        pass
+        return {}
     return {name: repr(value)[:60] for name, value in found.items() if name not in names and _constant(value)}
 
 

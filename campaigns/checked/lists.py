@@ -10,8 +10,8 @@ import math
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 
+from campaigns.asked.lists import components, prefix_of
 from campaigns.asked.regression import Baseline
-from campaigns.asked.scenario import FaultPart
 from campaigns.asked.spec import Campaign
 from campaigns.checked.check import LISTED, RANDOM, SEED
 
@@ -65,25 +65,9 @@ class _Part:
         return self.component == other.component and same
 
 
-def components(campaign: Campaign) -> dict[str, str]:
-    """The component of every listed part, and what it acts on, by the prefix of its paths."""
-    found: dict[str, str] = {}
-    for name in LISTED if campaign.scenario is not None else ():
-        for i, part in enumerate(getattr(campaign.scenario, name)):
-            on = part.on if isinstance(part, FaultPart) else ""
-            found[f"{name}.{i}"] = f"{part.component} on {on}" if on else part.component
-    return found
-
-
 def _split(prefix: str) -> tuple[str, str]:
     name, _, index = prefix.partition(".")
     return name, index
-
-
-def prefix_of(path: str) -> str:
-    """The prefix of a listed part's path, such as `obstacles.0`; empty for any other path."""
-    name, _, rest = path.partition(".")
-    return f"{name}.{rest.partition('.')[0]}" if name in LISTED else ""
 
 
 def renamed(path: str, parts: Mapping[str, str]) -> str | None:

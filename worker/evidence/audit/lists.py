@@ -11,6 +11,8 @@ from worker.evidence.audit.recompute import Run
 
 NOISY = ("environment", "faults")
 NAMES = ("obstacles", *NOISY)
+Its = tuple[str, dict[str, float], set[str]]
+"""Of a part: its component, the values that are fixed, and the names of what is varied."""
 
 
 def parts(run: Run) -> dict[str, str]:
@@ -99,7 +101,7 @@ def _name(path: str) -> str:
     return ".".join(path.split(".")[2:])
 
 
-def _same(before: Mapping[str, Any], now: Mapping[str, Any]) -> dict[str, str]:
+def _same(before: Mapping[str, Its], now: Mapping[str, Its]) -> dict[str, str]:
     """Of one list: a part is one of the same component and of equal values where neither is varied, preferably of which
     the same is varied, and preferably with the same index, otherwise the only one; if none has another index and the
     components are the same in order, one without such a part is the changed one with its index."""

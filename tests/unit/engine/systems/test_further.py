@@ -6,15 +6,17 @@ import math
 from dataclasses import replace
 from functools import cache
 from typing import Any
+from unittest.mock import Mock
 
 import numpy as np
 import pytest
 
 from clearance.testing.problems import Problem
-from tests.given.beyond_horizon import STEP, met, place, travelling, under_way
+from tests.given.beyond_horizon import KNOWN, STEP, met, place, travelling, under_way
 from worker.engine.components.obstacles import cooperative_circle, moving_circle
 from worker.engine.kernels.component import Rate
 from worker.engine.systems.closed_loop import further
+from worker.engine.systems.closed_loop.ahead import Ahead, Leg
 from worker.engine.systems.closed_loop.onward import Path
 from worker.engine.systems.closed_loop.parts import Installed
 from worker.engine.systems.closed_loop.trace import trace
@@ -289,6 +291,69 @@ def test_what_comes_straight_to_where_a_vehicle_that_slows_down_stands_is_not_kn
     if found.unknown is not None:
         assert found.unknown.vehicle
         assert found.unknown.time == pytest.approx((1.0 + passes) * HORIZON, rel=0.02)
+
+
+@pytest.mark.parametrize(("over", "horizons"), [("searched", 1e12), ("steps", 1e4)])
+def test_what_lies_near_is_met_however_slowly_a_vehicle_slows_down(
+    over: Any, horizons: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The samples of so long a line are farther apart than the obstacle is wide."""
+    criterion: Any = components()["criterion", "surface_separation"]
+    every = Installed(components() | {("criterion", criterion.name): replace(criterion, over=over)}, catalogue())
+    monkeypatch.setattr(opened, "installed", lambda: every)
+    monkeypatch.setattr(further, "going", lambda *_: further.Remaining(horizons * HORIZON))
+    found = met(travelling(obstacle("circle", 4.1, 0.0)))
+    assert found.unknown is not None
+    assert (found.unknown.obstacle, found.unknown.vehicle) == (1, True)
+    assert found.unknown.time == pytest.approx(5.1 * HORIZON, rel=0.02)
+
+
+def straight_on(passes: Points, velocity: Points, after: float) -> dict[str, Any]:
+    """One of one's own that is at a place so long after the last sample [s]."""
+    begin, goal = passes - (2.0 * HORIZON + after) * velocity, passes + 4e3 * velocity
+    given = {"position": place(*begin), "goal": place(*goal), "speed": float(np.linalg.norm(velocity)), "radius": 0.3}
+    return {"component": "own", "parameters": given}
+
+
+def test_what_has_no_finite_value_where_the_vehicle_stops_is_not_known(monkeypatch: pytest.MonkeyPatch) -> None:
+    install(replace(moving_circle.component, name="own", rate=Rate(times=0.0)), moving_circle, monkeypatch)
+    here, velocity = under_way()
+    away = travelling(straight_on(here - 9.0 * HORIZON * velocity, -0.1 * velocity, 0.0))
+    assert met(away).unknown is None
+    lowest = Ahead.lowest
+
+    def at_rest(self: Ahead, i: int, leg: Leg, drift: Points | None = None) -> tuple[float, float]:
+        value, time = lowest(self, i, leg, drift)
+        return (math.nan if i == 1 and not leg.begins and not leg.velocity.any() else value), time
+
+    monkeypatch.setattr(Ahead, "lowest", at_rest)
+    found = met(away)
+    assert found.unknown is not None
+    assert found.unknown.obstacle == 1
+
+
+def test_what_comes_to_where_the_vehicle_stops_may_come_closer_if_it_goes_on(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Its own body is followed: near where the vehicle stops after a horizon, and before that nearer, ahead of it."""
+    install(replace(moving_circle.component, name="own", reach=None), moving_circle, monkeypatch)
+    monkeypatch.setattr(further, "going", lambda *_: further.Remaining(1.2 * HORIZON))
+    here, velocity = under_way()
+    left = np.array([-velocity[1], velocity[0]]) / np.linalg.norm(velocity)
+    nearer, near = here + 1.1 * HORIZON * velocity + 0.7 * left, here + HORIZON * velocity + 1.0 * left
+    slow = (near - nearer) / (0.2 * HORIZON)
+    found = met(travelling(straight_on(nearer, slow, 1.1 * HORIZON)))
+    assert found.closer == 1
+    assert found.lowest is not None
+    assert found.unknown is not None
+    assert found.unknown.vehicle
+    assert found.unknown.value < found.lowest.value < KNOWN
+
+
+def test_a_body_of_which_no_extent_is_known_is_seen_nowhere_else(monkeypatch: pytest.MonkeyPatch) -> None:
+    """It may not be known there."""
+    install(replace(moving_circle.component, name="own", reach=None), moving_circle, monkeypatch)
+    monkeypatch.setattr(Ahead, "leans", Mock(side_effect=ZeroDivisionError))
+    here, velocity = under_way()
+    assert met(travelling(straight_on(here - 9.0 * HORIZON * velocity, -0.1 * velocity, 0.0))).flights == 1
 
 
 @pytest.mark.usefixtures("own")

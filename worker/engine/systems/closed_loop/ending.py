@@ -139,9 +139,9 @@ class End:
     def _bound(self) -> float | None:
         """What is subtracted from distances to the centre of an obstacle that is followed, which have a bound within
         every interval of its path [m]; None if the criterion itself has to be read at its steps."""
-        if self._path is None or self._ahead.leans(self._index, self._place, self._place + self._horizon * self._own):
-            return None
-        return self._ahead.extent(self._index)
+        extent = None if self._path is None else self._ahead.extent(self._index)
+        there = self._place + self._horizon * self._own
+        return None if extent is None or self._ahead.leans(self._index, self._place, there) else extent
 
     @cached_property
     def _known(self) -> bool:
@@ -169,8 +169,9 @@ class End:
                 yield from self._open(low, stops.time - self._since, vehicle=True)
         reached = [*self._going(self._horizon)]
         yield from reached
-        if reached[0].known and (self._path or self._later(reached[0])):
-            yield from self._on(reached[0])
+        lowest = min(reached, key=by_value) if self._path else reached[0]
+        if lowest.known and (self._path or self._later(lowest)):
+            yield from self._on(lowest)
 
     def _stopping(self) -> Iterator[Approach]:
         """The approach of an obstacle with states that moves away, if it stops where the vehicle comes on its line."""
@@ -207,7 +208,7 @@ class End:
                 distance, when = after(path, place + end * own, own, lasts - end)
                 found.append((distance, end + when))
         else:
-            legs = [Leg(0.0, min(lasts, end), place, own)]
+            legs = [Leg(0.0, min(lasts, end), place, own)] if lasts > 0.0 else []
             if path is not None and lasts > end:
                 # Where it repeats, past all of it and for a turn more.
                 there = place + end * own
@@ -217,6 +218,11 @@ class End:
                 legs.append(Leg(lasts, end - lasts, place + lasts * own, np.zeros(3)))
             drift = self._drift if self._obstacle.states else None
             found = [self._ahead.lowest(self._index, leg, drift) for leg in legs]
+            for leg in legs:
+                if leg.velocity is own and self._horizon < leg.lasts < math.inf:
+                    # The samples of a long line are far apart; those of one without an end reach as far as it falls.
+                    soon = self._ahead.lowest(self._index, leg._replace(lasts=math.inf), drift)
+                    found += [soon] if soon[1] <= leg.begins + leg.lasts else []
         for value, when in found:
             approach = Approach(value - (less or 0.0), self._index, self._since + when)
             yield approach if math.isfinite(value) else self._here._replace(known=False)

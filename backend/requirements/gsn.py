@@ -16,6 +16,7 @@ from typing import Any
 import yaml
 
 from backend.requirements.schemas import RequirementRow, RequirementRun
+from backend.runs.violations import CLOSER
 from backend.signoffs.schemas import signed_by
 from campaigns.asked.reading import Dumper
 from campaigns.claims.numbers import digits_of, signed, written
@@ -145,7 +146,7 @@ def _leaf(run: RequirementRun, claims: Mapping[str, str], address: str) -> Eleme
         parts.append(f"worst margin {signed(run.margin)} {run.unit}".strip())
     if run.policy == "fails":
         parts.append("the policy of its campaign on changes since the baseline fails")
-    if run.part == "violation" and run.verdict != VerdictWord.VIOLATED:
+    if run.part == "violation" and (run.verdict != VerdictWord.VIOLATED or run.role.startswith(CLOSER)):
         parts.append(run.role)
     current = [one for one in run.signoffs if one.current]
     parts += [f"signed off by {signed_by(one)}, {one.sentence}" for one in current] or [

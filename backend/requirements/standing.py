@@ -139,7 +139,7 @@ def _of_campaign(name: str, edges: Sequence[Edge], others: Sequence[Edge]) -> St
     evidence = frozenset({newest.run_id})
     every = {e.run_id: e for e in (*edges, *others)}
     against = [e for _, e in sorted(every.items(), reverse=True) if _stands(e, newest)]
-    violations = [e for e in against if e.verdict == VerdictWord.VIOLATED]
+    violations = [e for e in against if e.verdict == VerdictWord.VIOLATED and at_threshold(e, newest)]
     runs = frozenset(e.run_id for e in against)
     if violations:
         return Standing("violated", _violated(name, violations, newest), evidence, runs)

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from collections import defaultdict
-from collections.abc import Collection, Iterable, Iterator, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import chain
 from typing import Any
@@ -89,12 +89,12 @@ def found(reader: sa.Connection, *conditions: sa.ColumnElement[bool]) -> list[Fo
     lowest = sa.select(sa.func.min(Stage.best)).where(Stage.run_id == Run.id, own_question())
     worst = lowest.scalar_subquery().label("worst")
     columns = (Run.id, Run.state, Run.verdict, Run.threshold, Run.worst_cost, Run.made_again, Run.later, Run.question)
-    of = sa.select(*columns, CampaignRow.name, worst).join(CampaignRow, CampaignRow.digest == Run.campaign_digest)
+    columns = (*columns, CampaignRow.name, worst, *identity.COLUMNS)
+    of = sa.select(*columns).join(CampaignRow, CampaignRow.digest == Run.campaign_digest)
     rows: Sequence[Any] = reader.execute(of.where(*conditions).order_by(Run.id)).all()
     if not rows:
         return []
     before = made_again_before(reader, [row.id for row in rows if row.made_again is None])
-    known = identity.of_runs(reader, [row.id for row in rows])
     stated = []
     for row in rows:
         values = [v for v in (row.worst_cost, before.get(row.id, row.made_again), row.worst) if v is not None]
@@ -104,7 +104,7 @@ def found(reader: sa.Connection, *conditions: sa.ColumnElement[bool]) -> list[Fo
                 row.name,
                 row.question or "",
                 judged(row.state, row.verdict),
-                known.get(row.id, UNSTORED),
+                identity.of_row(row) or UNSTORED,
                 row.threshold,
                 min(values, default=math.inf),
                 row.later,
@@ -134,9 +134,7 @@ def against(reader: sa.Connection, run_ids: Collection[int]) -> dict[int, list[F
             others[other.question].append(other)
     permit = intending(reader, own, chain.from_iterable(others.values()))
     own = [replace(one, permits=one.run_id in permit) for one in own]
-    equal: dict[tuple[int, int], bool] = {}
-    stated = {one.run_id: [*_speaking(one, others[one.question], equal)] for one in own}
-    return {run_id: speaking for run_id, speaking in stated.items() if speaking}
+    return {run_id: speaking for run_id, speaking in _speaking(own, others) if speaking}
 
 
 def intending(reader: sa.Connection, own: Iterable[Found], others: Iterable[Found]) -> set[int]:
@@ -144,23 +142,45 @@ def intending(reader: sa.Connection, own: Iterable[Found], others: Iterable[Foun
     horizon."""
     if all(one.later is None for one in others):
         return set()
-    intends = CampaignRow.document["encounter", "intended"].as_string().contains("closest_approach")
+    intends = CampaignRow.document["encounter", "intended", "closest_approach"].as_string().is_not(None)
     of = sa.select(Run.id).join(CampaignRow, CampaignRow.digest == Run.campaign_digest).where(intends)
     cleared = chunks({one.run_id for one in own if one.verdict == VerdictWord.CLEARED})
     return {run_id for some in cleared for run_id in reader.scalars(of.where(Run.id.in_(some)))}
 
 
-def _speaking(one: Found, others: Iterable[Found], equal: dict[tuple[int, int], bool]) -> Iterator[Found]:
-    """Of runs of its question. equal: whether two identities may be, filled here, because most runs of a list share
-    one."""
+def _speaking(own: Iterable[Found], others: Mapping[str, Sequence[Found]]) -> Iterator[tuple[int, list[Found]]]:
+    """By run. Most runs of a list share question, threshold and identity, and thus one list, which may be long."""
+    shared: dict[tuple[str, float | None, int], tuple[dict[int, Found], list[Found], list[Found]]] = {}
+    for one in own:
+        key = (one.question, one.threshold, id(one.identity))
+        if key not in shared:
+            low, later = _alike(one, others[one.question])
+            shared[key] = low, [*low.values()], later
+        low, speaking, later = shared[key]
+        if one.run_id in low:
+            speaking = [other for other in speaking if other.run_id != one.run_id]
+        if closer := [other for other in later if other.run_id != one.run_id and comes_closer(other, one)]:
+            speaking = sorted([*speaking, *closer], key=lambda other: other.run_id)
+        yield one.run_id, speaking
+
+
+def _alike(one: Found, others: Iterable[Found]) -> tuple[dict[int, Found], list[Found]]:
+    """Of runs of its question those of what may be its model: that reach its threshold, by run, and others that saw
+    something beyond the horizon."""
+    equal: dict[int, bool] = {}
+    low: dict[int, Found] = {}
+    later: list[Found] = []
     for other in others:
-        low, pair = at_threshold(other, one), (id(other.identity), id(one.identity))
-        if other.run_id == one.run_id or not (low or comes_closer(other, one)):
+        reaches, model = at_threshold(other, one), id(other.identity)
+        if not reaches and other.later is None:
             continue
-        if pair not in equal:
-            equal[pair] = may_equal(other.identity, one.identity)
-        if equal[pair]:
-            yield replace(other, later=None) if low and other.later is not None else other
+        if model not in equal:
+            equal[model] = may_equal(other.identity, one.identity)
+        if equal[model] and reaches:
+            low[other.run_id] = other if other.later is None else replace(other, later=None)
+        elif equal[model]:
+            later.append(other)
+    return low, later
 
 
 def clause(speaking: Sequence[Found]) -> str:
@@ -182,9 +202,9 @@ def ways(speaking: Iterable[Found]) -> dict[str, str]:
 
 
 def _way(one: Found) -> str:
-    if one.verdict == VerdictWord.VIOLATED:
-        return "violates"
-    return "found" if one.later is None else "beyond"
+    if one.later is not None:  # also of one that violates a higher threshold only
+        return "beyond"
+    return "violates" if one.verdict == VerdictWord.VIOLATED else "found"
 
 
 def sentence_of(reader: sa.Connection, run_id: int) -> str:
@@ -194,7 +214,9 @@ def sentence_of(reader: sa.Connection, run_id: int) -> str:
 
 def sentences(reader: sa.Connection, run_ids: Collection[int]) -> dict[int, str]:
     """The same of each of these, by run, without those that nothing speaks against."""
-    return {run_id: f"{clause(speaking)}." for run_id, speaking in against(reader, run_ids).items()}
+    stated = against(reader, run_ids)
+    clauses = {id(speaking): clause(speaking) for speaking in {id(some): some for some in stated.values()}.values()}
+    return {run_id: f"{clauses[id(speaking)]}." for run_id, speaking in stated.items()}
 
 
 def named(runs: Sequence[int]) -> str:

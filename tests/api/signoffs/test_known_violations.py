@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-import importlib
 import math
 import re
 from collections.abc import Collection, Mapping
+from dataclasses import replace
 from typing import Any
 
 import httpx
@@ -13,19 +13,17 @@ import pytest
 import sqlalchemy as sa
 import yaml
 
-from backend.db.rows import made_again, plain
+from backend.db.engine import read
 from backend.db.tables import Base, Finding, Run, Stage
-from backend.runs.violations import Found, against, comes_closer
+from backend.runs.violations import Found, against, comes_closer, found, intending
 from backend.signoffs import standing
 from campaigns.identity.identity import UNSTORED
-from campaigns.results.validate import Beyond, Later
 from campaigns.results.verdict import VerdictWord
-from tests.given.reported_runs import finish_fully, validated
+from tests.given.reported_runs import finish_fully
 from tests.given.row_changes import changed
 from tests.given.service import Service
 from tests.given.signed_places import API, PLACES, by_command, ran, sign
 from tests.given.submissions import submit
-from tests.given.verdict_evidence import encountered
 
 CANCELLED: dict[str, Any] = {"state": "cancelled", "verdict": None, "worst_cost": 0.5}
 MODEL = "on the same question and model"
@@ -52,6 +50,11 @@ CASES: dict[str, tuple[Mapping[str, Any], str, str]] = {
     "beyond the horizon": ({"verdict": "inconclusive", "later": 0.9}, BEYOND, "1 cleared, 1 inconclusive"),
     "not known beyond it": ({"verdict": "inconclusive", "later": -math.inf}, BEYOND, "1 cleared, 1 inconclusive"),
     "no closer beyond it": ({"verdict": "inconclusive", "later": 2.0}, "", "1 cleared, 1 inconclusive"),
+    "a higher threshold, and beyond the horizon": (
+        {"verdict": "violated", "threshold": 1.0, "worst_cost": 0.95, "later": 0.9},
+        BEYOND,
+        "1 cleared, 1 violated",
+    ),
     "removed": ({"verdict": "violated", "removed": 1.0}, "", "removed ones included: 1 cleared, 1 violated"),
 }
 """Changes of the other run, which has no requirement and another name; what is stated; how often it was asked."""
@@ -154,21 +157,14 @@ def test_what_was_seen_beyond_the_horizon_bars_what_is_cleared_without_it() -> N
     assert not any(speaks(0.4, word) for word in (VerdictWord.VIOLATED, VerdictWord.INCONCLUSIVE))
 
 
-def test_what_was_seen_beyond_the_horizon_is_kept_of_new_runs_and_of_stored_ones(
-    service: Service, client: httpx.Client
-) -> None:
-    submit(client)
-    migration = importlib.import_module("backend.db.migrations.versions.0037_later_approaches")
-    near = Later(name="F1", value=0.7, time=8.0, obstacle=0, distance=1.0, closing=1.0, simulated=True)
-    seen: list[tuple[dict[str, Any], float | None]] = [({}, None), ({"lowest": near}, None)]
-    for fields, kept in [*seen, ({"lowest": near, "closer": 2}, 0.7), ({"unknown": near}, -math.inf)]:
-        beyond = Beyond(**{"times": 2.0, "flights": 9, "closer": 0, "lowest": None, **fields})
-        result = validated().model_copy(update={"encounter": encountered(beyond=beyond)})
-        with service.engine.begin() as writer:
-            writer.execute(sa.update(Run).values(later=None))
-            made_again(writer, 1, result, [])
-            assert writer.scalar(sa.select(Run.later)) == kept
-        assert min(migration._of_result(plain(result)), default=None) == kept
+def test_only_a_stated_intent_permits_approaches_at_the_end(service: Service, client: httpx.Client) -> None:
+    """Not the reason of another one that mentions it."""
+    for intended in ({"closest_approach": "A landing."}, {"motion": "See closest_approach."}, {}):
+        submit(client, encounter={"intended": intended})
+        finish_fully(service)
+    with read(service.engine) as reader:
+        runs = found(reader)
+        assert intending(reader, runs, [replace(runs[0], later=0.9)]) == {1}
 
 
 def test_a_run_that_violates_itself_needs_no_other(service: Service, client: httpx.Client) -> None:

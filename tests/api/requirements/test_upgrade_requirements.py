@@ -7,7 +7,9 @@ violated.
 from __future__ import annotations
 
 import gzip
+import math
 from pathlib import Path
+from typing import Any
 
 import httpx
 import pytest
@@ -15,13 +17,17 @@ import sqlalchemy as sa
 
 from backend.db.digest import results_digest
 from backend.db.engine import connect, default_url, migrate, read
+from backend.db.rows import made_again, plain
 from backend.db.tables import CampaignRow, Requirement, Run, RunRequirement, Signoff, Stage
 from backend.requirements import matrix
 from campaigns.asked.load import load_document
+from campaigns.results.validate import Beyond, Later
 from tests.given.databases import KINDS, as_of
 from tests.given.finished_runs import Work
+from tests.given.reported_runs import validated
 from tests.given.service import Service
 from tests.given.small_catalogue import campaign
+from tests.given.verdict_evidence import encountered
 
 STORED = Path(__file__).parents[1] / "stored" / "revision-0018.sqlite3.gz"
 
@@ -84,3 +90,28 @@ def test_the_lowest_value_of_a_stored_run_without_a_verdict_is_that_of_every_sta
     with read(service.engine) as reader:
         rows = reader.execute(sa.select(Run.worst_cost, Run.worst_method).order_by(Run.id)).all()
     assert [tuple(row) for row in rows] == [(0.7, None), (0.8, "direct"), (0.8, "direct")]
+
+
+@pytest.mark.parametrize("database", KINDS, indirect=True)
+def test_what_was_seen_beyond_the_horizon_is_kept_of_new_runs_and_of_stored_ones(
+    service: Service, client: httpx.Client
+) -> None:
+    near = Later(name="F1", value=0.7, time=8.0, obstacle=0, distance=1.0, closing=1.0, simulated=True)
+    seen: list[tuple[dict[str, Any], float | None]] = [({}, None), ({"lowest": near}, None)]
+    seen += [({"lowest": near, "closer": 2}, 0.7), ({"unknown": near}, -math.inf)]
+    for run_id, (fields, _) in enumerate(seen, 1):
+        assert client.post("/api/v1/runs", json={"campaign": campaign()}).status_code == 201
+        beyond = Beyond(**{"times": 2.0, "flights": 9, "closer": 0, "lowest": None, **fields})
+        result = validated().model_copy(update={"encounter": encountered(beyond=beyond)})
+        with service.engine.begin() as writer:
+            made_again(writer, run_id, result, [])
+            values = {"position": 0, "kind": "validate", "state": "done", "result": plain(result)}
+            writer.execute(sa.delete(Stage).where(Stage.run_id == run_id))
+            writer.execute(sa.insert(Stage).values(run_id=run_id, **values))
+    kept = sa.select(Run.later).order_by(Run.id)
+    with service.engine.begin() as writer:
+        assert writer.scalars(kept).all() == [value for _, value in seen]
+        as_of(writer, "0034")
+    migrate(service.engine.url.render_as_string(hide_password=False))
+    with read(service.engine) as reader:
+        assert reader.scalars(kept).all() == [value for _, value in seen]

@@ -1,7 +1,8 @@
 """the lowest value that validation saw beyond the horizon, which no stage stores; what is known when a run is signed"""
 
 import math
-from collections.abc import Iterator
+from collections import defaultdict
+from collections.abc import Iterator, Mapping
 from typing import Any
 
 import sqlalchemy as sa
@@ -18,15 +19,19 @@ def upgrade() -> None:
     op.add_column("runs", sa.Column("later", sa.Double, nullable=True))
     op.add_column("signoffs", sa.Column("known", sa.JSON, nullable=True))
     connection = op.get_bind()
-    validated = sa.select(_STAGES.c.run_id, _STAGES.c.result).where(_STAGES.c.kind == "validate")
-    for run_id, result in connection.execute(validated).all():
-        if values := [*_of_result(result or {})]:
-            connection.execute(sa.update(_RUNS).where(_RUNS.c.id == run_id).values(later=min(values)))
+    # Not the whole results: those of many runs do not fit into memory.
+    beyond = sa.select(_STAGES.c.run_id, _STAGES.c.result["encounter", "beyond"].label("beyond"))
+    values: dict[int, list[float]] = defaultdict(list)
+    for row in connection.execute(beyond.where(_STAGES.c.kind == "validate")):
+        values[row.run_id] += _values(row.beyond or {})
+    for run_id, seen in values.items():
+        if seen:
+            connection.execute(sa.update(_RUNS).where(_RUNS.c.id == run_id).values(later=min(seen)))
 
 
-def _of_result(result: Any) -> Iterator[float]:
-    beyond = (result.get("encounter") or {}).get("beyond") or {}
-    if beyond.get("closer") and beyond.get("lowest"):
-        yield beyond["lowest"]["value"]
+def _values(beyond: Mapping[str, Any]) -> Iterator[float]:
+    lowest = (beyond.get("lowest") or {}).get("value")
+    if beyond.get("closer") and isinstance(lowest, int | float):
+        yield lowest
     if beyond.get("unknown"):
         yield -math.inf

@@ -165,7 +165,15 @@ const WAYS: Record<string, string> = {
   beyond: 'saw beyond the horizon what bars a cleared verdict',
 }
 
-const stated = (against: Signoffs['against']) => Object.entries(against ?? {}).map(([id, way]) => `${id} ${WAYS[way] ?? way}`).join(', ')
+/** All of them, those that do so in the same way together. */
+const stated = (against: Signoffs['against']) =>
+  [...new Set(Object.values(against))]
+    .map((way) => {
+      const ids = Object.keys(against).filter((id) => against[id] === way)
+      const text = WAYS[way] ?? way
+      return `${ids.join(', ')} ${ids.length > 1 ? text.replace(/^violates/, 'violate') : text}`
+    })
+    .join('; ')
 
 interface SignFormProps {
   run: RunDetail
@@ -217,7 +225,9 @@ export function SignForm({ run, seen, onDone }: SignFormProps) {
             <b>It is now:</b> sha256 <span className="mono">{seen.digest.slice(0, 16)}</span>
           </p>
           <Texts of={seen.texts} />
-          <p>{stated(seen.against)}</p>
+          {(contradicted || Object.keys(seen.against).length > 0) && (
+            <p>{stated(seen.against) || 'No other run speaks against the verdict now'}.</p>
+          )}
           <Button
             small
             onClick={() => {

@@ -71,7 +71,7 @@ export function Against({ run: { against, against_runs: all = [] } }: { run: Run
       <p>
         <b>{against}</b>
       </p>
-      {all.some((id) => !against.includes(id)) && (
+      {all.length > (against.match(/R-\d+/g)?.length ?? 0) && (
         <details className="sec">
           <summary>All {count(all.length)} runs</summary>
           <p>

@@ -14,15 +14,17 @@ it('lists all runs on demand where the sentence does not name them', async () =>
   const page = createRoute({ getParentRoute: () => root, path: '/runs/$run' })
   const router = createRouter({ routeTree: root.addChildren([page]), history: createMemoryHistory(), isServer: true })
   await router.load()
-  const shown = (all: string[]) =>
+  const shown = (all: string[], sentence = against) =>
     renderToStaticMarkup(
       <RouterContextProvider router={router as never}>
-        <Against run={run({ verdict: 'cleared', against, against_runs: all })} />
+        <Against run={run({ verdict: 'cleared', against: sentence, against_runs: all })} />
       </RouterContextProvider>,
     )
   expect(shown(ids)).toContain('<summary>All 5 runs</summary>')
   expect(shown(ids)).toContain('>R-0005</a>')
   expect(shown(ids.slice(0, 3))).not.toContain('<details')
+  const longer = ['R-1000', 'R-10001', 'R-10002', 'R-10003'] // the first is the beginning of another one
+  expect(shown(longer, 'R-10001, R-10002, R-10003 and 1 more violate the criterion.')).toContain('>R-1000</a>')
   expect(renderToStaticMarkup(<Against run={run({ verdict: 'cleared' })} />)).toBe('')
 })
 

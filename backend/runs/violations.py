@@ -89,8 +89,8 @@ def found(reader: sa.Connection, *conditions: sa.ColumnElement[bool]) -> list[Fo
     lowest = sa.select(sa.func.min(Stage.best)).where(Stage.run_id == Run.id, own_question())
     worst = lowest.scalar_subquery().label("worst")
     columns = (Run.id, Run.state, Run.verdict, Run.threshold, Run.worst_cost, Run.made_again, Run.later, Run.question)
-    columns = (*columns, CampaignRow.name, worst, *identity.COLUMNS)
-    of = sa.select(*columns).join(CampaignRow, CampaignRow.digest == Run.campaign_digest)
+    of = sa.select(*columns, CampaignRow.name, worst, *identity.COLUMNS)
+    of = of.join(CampaignRow, CampaignRow.digest == Run.campaign_digest)
     rows: Sequence[Any] = reader.execute(of.where(*conditions).order_by(Run.id)).all()
     if not rows:
         return []

@@ -15,6 +15,7 @@ import yaml
 
 from backend.db.engine import read
 from backend.db.tables import Base, Finding, Run, Stage
+from backend.runs import violations
 from backend.runs.violations import Found, against, comes_closer, found, intending
 from backend.signoffs import standing
 from campaigns.identity.identity import UNSTORED
@@ -155,6 +156,25 @@ def test_what_was_seen_beyond_the_horizon_bars_what_is_cleared_without_it() -> N
     assert [speaks(later) for later in (None, 1.0, 0.9, 0.8, 0.4, -math.inf)] == [False] * 3 + [True] * 3
     assert [speaks(later, permits=True) for later in (0.8, 0.5, -math.inf)] == [False, True, True]
     assert not any(speaks(0.4, word) for word in (VerdictWord.VIOLATED, VerdictWord.INCONCLUSIVE))
+
+
+def test_runs_of_a_list_that_ask_the_same_are_compared_once(
+    service: Service, client: httpx.Client, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    submit(client, name="renamed", seed=9)
+    finish_fully(service, "violated")
+    runs = [ran(service, client) for _ in range(3)]
+    compared: list[tuple[int, int]] = []
+    reaches = violations.at_threshold
+
+    def noted(other: Found, one: Found) -> bool:
+        compared.append((other.run_id, one.run_id))
+        return reaches(other, one)
+
+    monkeypatch.setattr(violations, "at_threshold", noted)
+    rows = client.get(f"{API}/runs").json()["items"]
+    assert [row["against"] for row in rows if row["id"] in runs] == [f"{VIOLATES}."] * 3
+    assert len(compared) == 1
 
 
 def test_only_a_stated_intent_permits_approaches_at_the_end(service: Service, client: httpx.Client) -> None:

@@ -149,16 +149,18 @@ def _read(cursor: str) -> str:
 def _edges(reader: sa.Connection, ids: Sequence[str]) -> dict[str, list[Edge]]:
     """The runs of each requirement that count, the newest first; identities only where a violation may rest on them."""
     columns = (RunRequirement.requirement, RunRequirement.run_id, Run.question, Run.state, Run.verdict)
-    of = sa.select(*columns, CampaignRow.name, Run.threshold, Run.worst_cost).join(Run, Run.id == RunRequirement.run_id)
+    of = sa.select(*columns, CampaignRow.name, Run.threshold, Run.worst_cost, Run.made_again)
+    of = of.join(Run, Run.id == RunRequirement.run_id)
     of = of.join(CampaignRow, CampaignRow.digest == Run.campaign_digest)
     of = of.where(RunRequirement.requirement.in_(ids), *present.counted()).order_by(RunRequirement.run_id.desc())
     found: dict[str, list[Edge]] = defaultdict(list)
     compared: set[int] = set()
     first: dict[tuple[str, str], int] = {}
     newest: set[tuple[str, str]] = set()
-    for key, run_id, question, state, word, name, threshold, worst in reader.execute(of):
+    for key, run_id, question, state, word, name, threshold, worst, again in reader.execute(of):
         verdict = judged(state, word)
-        lowest = worst if verdict == VerdictWord.CLEARED else None
+        values = [v for v in (worst, again) if v is not None] if verdict == VerdictWord.CLEARED else []
+        lowest = min(values, default=None)
         found[key].append(Edge(run_id, name, question or "", verdict, UNSTORED, threshold, lowest))
         first.setdefault((key, name), run_id)
         if verdict == VerdictWord.VIOLATED or (verdict is not None and (key, name) not in newest):

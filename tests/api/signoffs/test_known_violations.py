@@ -177,6 +177,20 @@ def test_runs_of_a_list_that_ask_the_same_are_compared_once(
     assert len(compared) == 1
 
 
+def test_the_matrix_compares_what_is_beyond_the_horizon_as_pages_do(service: Service, client: httpx.Client) -> None:
+    """With the lowest value of the cleared run, also where only an evaluation made again had it."""
+    submit(client, name="renamed", seed=9)
+    finish_fully(service, "inconclusive")
+    run = ran(service, client)
+    for again, stated in ((None, True), (0.8, False)):
+        with service.engine.begin() as writer:
+            writer.execute(sa.update(Run).where(Run.id == 1).values(later=0.9))
+            writer.execute(sa.update(Run).where(Run.id == 2).values(made_again=again))
+        (row,) = client.get(f"{API}/requirements").json()["items"]
+        assert (BEYOND.partition(",")[0] in row["sentence"]) is stated
+        assert bool(client.get(f"{API}/runs/{run}").json()["against"]) is stated
+
+
 def test_only_a_stated_intent_permits_approaches_at_the_end(service: Service, client: httpx.Client) -> None:
     """Not the reason of another one that mentions it."""
     for intended in ({"closest_approach": "A landing."}, {"motion": "See closest_approach."}, {}):

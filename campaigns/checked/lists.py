@@ -59,10 +59,13 @@ class _Part:
 
     def alike(self, other: _Part) -> bool:
         """Whether both may be one part: the same component, and the same values of what neither campaign varies."""
-        free = self.varied | other.varied
-        common = (self.fixed.keys() & other.fixed.keys()) - free
-        same = all(math.isclose(self.fixed[name], other.fixed[name], rel_tol=SAME) for name in common)
-        return self.component == other.component and same
+        return self.apart(other) == 0
+
+    def apart(self, other: _Part) -> float:
+        """How many values differ of what neither campaign varies; infinite for another component."""
+        common = (self.fixed.keys() & other.fixed.keys()) - (self.varied | other.varied)
+        differ = sum(not math.isclose(self.fixed[name], other.fixed[name], rel_tol=SAME) for name in common)
+        return differ if self.component == other.component else math.inf
 
 
 def _split(prefix: str) -> tuple[str, str]:
@@ -81,8 +84,9 @@ def matched(then: Listed, now: Listed) -> dict[str, str]:
     """The prefix here of every part there that is one here.
 
     That is the part that is alike, wherever it is listed; of several, those of which the same is varied, and of these
-    the one at the same index. A part like none was changed, if the same components are listed in the same order and no
-    part of the list is at another index. Parts that are not known match none.
+    the one at the same index. A part like none was changed, if the same components are listed in the same order, no
+    part of the list is at another index, and no other part without a match is closer: fewer of its values differ. Parts
+    that are not known match none.
     """
     found: dict[str, str] = {}
     for name in LISTED:
@@ -95,6 +99,16 @@ def renumbered(then: Listed, now: Listed, parts: Mapping[str, str]) -> list[str]
     before, here = then.noise(), now.noise()
     both = [prefix for prefix in before if parts.get(prefix) in here]
     return [prefix for prefix in both if here.index(parts[prefix]) != before.index(prefix)]
+
+
+def reseeded(then: Listed, now: Listed, parts: Mapping[str, str]) -> list[tuple[str, float, float]]:
+    """The paths here of the seeds of parts with noise that neither campaign varies and that differ, with the value
+    there and here."""
+    paths = [(f"{prefix}.{SEED}", f"{parts[prefix]}.{SEED}") for prefix in then.noise() if prefix in parts]
+    both = [
+        (path, then.fixed[there], now.fixed[path]) for there, path in paths if there in then.fixed and path in now.fixed
+    ]
+    return [row for row in both if row[1] != row[2]]
 
 
 def _parts(listed: Listed, name: str) -> dict[str, _Part]:
@@ -116,8 +130,13 @@ def _matched(there: Mapping[str, _Part], here: Mapping[str, _Part]) -> dict[str,
     chosen = [each[0] for each in rest.values() if len(each) == 1]
     found |= {prefix: each[0] for prefix, each in rest.items() if len(each) == 1 and chosen.count(each[0]) == 1}
     order, order_here = ({prefix: part.component for prefix, part in each.items()} for each in (there, here))
-    unmoved = all(prefix == q for prefix, q in found.items())
-    return {prefix: prefix for prefix in there} if unmoved and order == order_here else found
+    unmoved = order == order_here and all(prefix == q for prefix, q in found.items())
+    return {prefix: prefix for prefix in there} if unmoved and _nearest(there, here, rest.keys() - found) else found
+
+
+def _nearest(there: Mapping[str, _Part], here: Mapping[str, _Part], changed: Collection[str]) -> bool:
+    """Whether each of the changed parts is as close to the part at its index as to any other changed one."""
+    return all(there[p].apart(here[p]) <= min(there[p].apart(here[q]) for q in changed) for p in changed)
 
 
 def _alike(part: _Part, here: Mapping[str, _Part]) -> list[str]:

@@ -18,7 +18,7 @@ from campaigns.asked.lists import prefix_of
 from campaigns.asked.regression import Baseline, BaselineCase
 from campaigns.asked.scenario import Repeats
 from campaigns.checked.check import unvaried
-from campaigns.checked.lists import Listed, matched, renamed, renumbered
+from campaigns.checked.lists import Listed, matched, renamed, renumbered, reseeded
 from campaigns.claims.stages import earlier_run, ends
 from campaigns.results.base import OK, STATUS
 from campaigns.results.stage import Reevaluated
@@ -43,6 +43,7 @@ def run(context: Context, position: int) -> Outcome[BaselineResult]:
     parts = matched(then, now)
     here = _renamed(baseline, parts)
     other_noise = [earlier_run.renumbered(p, baseline.run) for p in renumbered(then, now, parts)]
+    other_noise += [earlier_run.other_seed(*row) for row in reseeded(then, now, parts)]
     both = list(zip(baseline.cases, here.cases, strict=True))
     reasons = {there.label: _unusable(problem, here, there, case, parts, other_noise) for there, case in both}
     usable = [case for case in here.cases if not reasons[case.label]]

@@ -58,7 +58,8 @@ def moved(values: Mapping[str, float], known: Mapping[str, str]) -> dict[str, st
 
 
 def numbered(run: Run, known: Mapping[str, str]) -> bool:
-    """Whether the noise of each part is drawn by the number that it had: its rank among the parts with a seed."""
+    """Whether the noise of each part is drawn by the number that it had, its rank among the parts with a seed, and by
+    the seed that it had if neither campaign varies it."""
     baseline = run.campaign.baseline
     assert baseline is not None
     if run.wording < limits.PARTS or not run.random:
@@ -69,7 +70,10 @@ def numbered(run: Run, known: Mapping[str, str]) -> bool:
         for paths in ({path for path in there if _part(path) in (baseline.parts or {})}, run.known)
     )
     ranks = [(first.index(part), second.index(known[part])) for part in first if known.get(part) in second]
-    return all(one == other for one, other in ranks)
+    before, varied = baseline.fixed or {}, run.bounds
+    seeds = [(before.get(f"{part}.seed"), f"{known[part]}.seed") for part in first if known.get(part) in second]
+    kept = all(seed is None or path in varied or seed == run.known[path][1] for seed, path in seeds)
+    return kept and all(one == other for one, other in ranks)
 
 
 def _part(path: str) -> str:
@@ -104,7 +108,8 @@ def _name(path: str) -> str:
 def _same(before: Mapping[str, Its], now: Mapping[str, Its]) -> dict[str, str]:
     """Of one list: a part is one of the same component and of equal values where neither is varied, preferably of which
     the same is varied, and preferably with the same index, otherwise the only one; if none has another index and the
-    components are the same in order, one without such a part is the changed one with its index."""
+    components are the same in order, one without such a part is the changed one with its index, unless one of them has
+    fewer other values than the changed one at another index."""
     candidates = {}
     for part, (component, fixed, varied) in before.items():
         every = [q for q, its in now.items() if its[0] == component and _equal(fixed, its[1], varied | its[2])]
@@ -118,12 +123,23 @@ def _same(before: Mapping[str, Its], now: Mapping[str, Its]) -> dict[str, str]:
             single.setdefault(free[0], []).append(part)
     others = {of[0]: q for q, of in single.items() if len(of) == 1}
     listed = {part: its[0] for part, its in before.items()} == {q: its[0] for q, its in now.items()}
-    return {part: part for part in before} if listed and not others else found | others
+    if not listed or others:
+        return found | others
+    left = [part for part in before if part not in found]
+    count = {
+        (part, q): _unequal(before[part][1], now[q][1], before[part][2] | now[q][2])
+        for part in left
+        for q in left
+        if before[part][0] == now[q][0]
+    }
+    swapped = any(count[part, q] < count[part, part] for part, q in count)
+    return found if swapped else {part: part for part in before}
 
 
 def _equal(one: Mapping[str, float], other: Mapping[str, float], free: set[str]) -> bool:
-    return all(
-        math.isclose(value, other[name], rel_tol=1e-9)
-        for name, value in one.items()
-        if name in other and name not in free
-    )
+    return _unequal(one, other, free) == 0
+
+
+def _unequal(one: Mapping[str, float], other: Mapping[str, float], free: set[str]) -> int:
+    names = [name for name in one if name in other and name not in free]
+    return sum(not math.isclose(one[name], other[name], rel_tol=1e-9) for name in names)

@@ -13,7 +13,7 @@ from campaigns.asked.load import load_document
 from campaigns.checked import lists as listed
 from campaigns.checked.check import parameters
 from campaigns.checked.units import differing, fixed
-from campaigns.claims.stages.earlier_run import certain, other_index, renumbered, unidentified, unknown
+from campaigns.claims.stages.earlier_run import certain, other_index, other_seed, renumbered, unidentified, unknown
 from campaigns.results import Finding
 from campaigns.results.baselines import with_baseline
 from tests.given import verdict_evidence as given
@@ -28,6 +28,10 @@ from worker.running.catalogue.installed import catalogue
 def walker(x: float, y: float, **values: float) -> dict[str, Any]:
     place = {"position": {"x": x, "y": y}, "goal": {"x": 0.0, "y": 6.0}}
     return {"component": "moving_circle", "parameters": {**place, "speed": 1.0, "radius": 0.3, **values}}
+
+
+def wide(part: dict[str, Any]) -> dict[str, Any]:
+    return {**part, "parameters": {**part["parameters"], "radius": 0.4}}
 
 
 A, B, C = walker(6.0, 1.0), walker(3.0, 9.0), walker(12.0, -3.0)
@@ -96,6 +100,10 @@ def audits(made: Campaign, index: int | None) -> bool:
         ([A, POST], ["0.speed"], [POST, A, A], ["1.speed", "2.speed"], "", LOST),
         ([A, B, POST], ["0.speed"], [B, walker(6.5, 1.0), POST], ["0.speed"], "", LOST),
         ([A, POST], ["0.speed"], [C, walker(6.5, 1.0), POST], ["0.speed"], "", LOST),
+        # All were changed, and another one is closer than the one at the same index.
+        ([A, B, POST], ["0.speed"], [wide(A), wide(B), POST], ["0.speed"], "obstacles.0.speed", ""),
+        ([A, B, POST], ["0.speed"], [wide(B), wide(A), POST], ["0.speed"], "", LOST),
+        ([A, B, POST], ["0.speed"], [wide(B), C, POST], ["0.speed"], "", LOST),
     ],
 )
 def test_a_case_is_evaluated_on_the_obstacle_on_which_it_was_found(
@@ -155,3 +163,18 @@ def test_the_noise_of_a_part_is_drawn_by_its_number() -> None:
     (case,) = ran(context(compared(then, last), flat)).cases
     assert case.index == 0
     assert audits(compared(then, last), case.index)
+
+
+def test_the_noise_of_a_part_is_drawn_by_its_own_seed() -> None:
+    """That a case is none with another realisation shows no change."""
+    then, now = (
+        asked([{"component": "sensor_noise", "parameters": {"sigma": sigma, "seed": seed}}], [], "faults")
+        for sigma, seed in ((0.01, 0), (0.01, 7))
+    )
+    (case,) = ran(context(compared(then, now), flat)).cases
+    assert case.reason == other_seed("faults.0.seed", 0.0, 7.0)
+    assert audits(compared(then, now), case.index)
+    louder = asked([{"component": "sensor_noise", "parameters": {"sigma": 0.02, "seed": 0}}], [], "faults")
+    (case,) = ran(context(compared(then, louder), flat)).cases
+    assert case.index == 0
+    assert audits(compared(then, louder), case.index)

@@ -14,7 +14,10 @@ from campaigns.asked.spec import Campaign
 from tests.given.small_catalogue import campaign
 
 SCHEMA = Campaign.model_json_schema()
-KEYS = {"^[A-Za-z_][A-Za-z0-9_]*(\\.[A-Za-z0-9_]+)+$": "vehicle.m"}
+KEYS = {
+    "^[A-Za-z_][A-Za-z0-9_]*(\\.[A-Za-z0-9_]+)+$": "vehicle.m",
+    "^(obstacles|environment|faults)\\.(0|[1-9][0-9]?)$": "obstacles.0",
+}
 """A key for each pattern of keys."""
 Place = tuple[str | int, ...]
 

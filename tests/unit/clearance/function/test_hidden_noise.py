@@ -49,6 +49,40 @@ def through(a: float, b: float) -> float:
     return stored(a, b)
 
 
+class Plant:
+    """An object whose class has a method with the name of what clears a store."""
+
+    def __init__(self) -> None:
+        self.calls = 0
+
+    @functools.lru_cache  # noqa: B019
+    def method(self, a: float, b: float) -> float:
+        return stored.__wrapped__(a, b)
+
+    @staticmethod
+    @functools.cache
+    def static(a: float, b: float) -> float:
+        return stored.__wrapped__(a, b)
+
+    def cache_clear(self, what: str) -> None:
+        raise AssertionError(what)
+
+
+PLANT = Plant()
+
+
+def by_method(a: float, b: float) -> float:
+    return PLANT.method(a, b)
+
+
+def by_class(a: float, b: float) -> float:
+    return Plant.static(a, b)
+
+
+def by_default(a: float, b: float, plant: Plant = PLANT) -> float:
+    return plant.method(a, b)
+
+
 def searched(call: Callable[..., Any]) -> Result:
     return clearance.search(call, AB, threshold=1.3, budget=1500, validation=3000)
 
@@ -73,6 +107,7 @@ def failing(result: Result) -> list[str]:
         (lambda a, b, rng=random.Random(1): a, {}),  # noqa: B008
         (lambda a, b, rng=np.random.default_rng: a, {}),
         (lambda a, b, gain=2.0, seeding=1: a, {}),
+        (lambda a, b, reseed=True: a, {}),
         (min, {}),
     ],
 )
@@ -112,9 +147,42 @@ def test_stores_are_found_where_the_code_names_them() -> None:
     def inner(a: float) -> float:
         return stored(a, 0.0)
 
-    for call in (stored, through, functools.partial(stored, 1.0), inner):
+    for call in (stored, through, functools.partial(stored, 1.0), inner, np.vectorize(stored)):
         stored(0.0, 0.0)
         for clear in stores(call):
             clear()
         assert stored.cache_info().currsize == 0
     assert stores(seeded) == []
+
+
+@pytest.mark.parametrize("call", [by_method, by_class, by_default, PLANT.method, functools.partial(map, Plant.static)])
+def test_stores_of_methods_are_found_and_a_method_of_that_name_is_not_called(call: Callable[..., Any]) -> None:
+    PLANT.method(0.0, 0.0)
+    Plant.static(0.0, 0.0)
+    for clear in stores(call):
+        clear()
+    assert 0 in (Plant.method.cache_info().currsize, Plant.static.cache_info().currsize)
+
+
+def test_a_table_is_not_read_for_each_call_that_shows_whether_results_repeat() -> None:
+    read: list[float] = []
+
+    @functools.cache
+    def table(scale: float) -> float:
+        read.append(scale)
+        return 3.0 * scale
+
+    result = searched(lambda a, b: table(1.0) - 0.8 * a * a - 0.5 * b)
+    assert result.verdict == "cleared"
+    assert 1 < len(read) < 10
+
+
+def test_values_that_have_no_text_are_no_error() -> None:
+    class Odd:
+        def __repr__(self) -> str:
+            raise RuntimeError
+
+        def __getattr__(self, name: str) -> Any:
+            raise RuntimeError(name)
+
+    assert list(constants(lambda a, b, odd=Odd(), data=[0] * 10**6: a, AB)) == ["odd", "data"]  # noqa: B008

@@ -86,6 +86,7 @@ class InProcess(_OfFunction):
         super().__init__(entry, opening, declaration, digest, unread)
         self.call, self.unchanged = call, unchanged
         self._stores: list[Callable[[], object]] = []
+        self._answered: set[bytes] | None = None
 
     def fresh(self) -> InProcess:
         """This function, of which each call is made: no store of results answers it."""
@@ -94,9 +95,17 @@ class InProcess(_OfFunction):
         made._stores = stores(self.call)
         return made
 
-    def _forget(self) -> None:
-        for clear in self._stores:
-            clear()
+    def _forget(self, points: Floats) -> None:
+        """Clear the stores of a fresh system where one may have the result of a point: before its first call, and where
+        it had that point. Not before every call, so that a table that a store has is not read for each."""
+        if not self._stores:
+            return
+        asked = {row.tobytes() for row in points}
+        if self._answered is None or asked & self._answered:
+            for clear in self._stores:
+                clear()
+            self._answered = set()
+        self._answered |= asked
 
     def evaluate(self, vectors: Floats, seeds: Seeds | None = None) -> tuple[Batch, Reasons]:
         if self.of.vectorized:
@@ -119,7 +128,7 @@ class InProcess(_OfFunction):
         names, every, result, call = self.names_given, self.every, self.results[0].name, self.call
         values, failed, excluded = [np.nan] * len(vectors), Reasons(), Reasons()
         for k, row in enumerate(vectors.tolist()):
-            self._forget()
+            self._forget(vectors[k : k + 1])
             answer = calling.called(call, dict(zip(names, row, strict=True)), every)
             if "failed" in answer:
                 failed[k] = answer["failed"]
@@ -133,7 +142,7 @@ class InProcess(_OfFunction):
         """Evaluate all rows by one call, or one by one if that raises, so that only the rows at fault fail or are
         excluded. If none of them is, that call has failed and was tried again."""
         m = len(vectors)
-        self._forget()
+        self._forget(vectors)
         columns = {name: np.array(column) for name, column in zip(self.names_given, vectors.T, strict=True)}
         try:
             returned = self._columns(self.call(**columns), m)

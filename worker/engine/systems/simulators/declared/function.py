@@ -11,6 +11,7 @@ import importlib.util
 import inspect
 import os
 import re
+import reprlib
 import sys
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -224,7 +225,8 @@ def accepts(call: Callable[..., Any], names: Mapping[str, object]) -> None:
 
 def constants(call: Callable[..., Any], names: Collection[str]) -> dict[str, str]:
     """The other parameters of a function, by name with what it receives for each: its default, or what
-    `functools.partial` binds. Not those without a value, and generators, which give other numbers in each call."""
+    `functools.partial` binds. Not those without a value, flags, and generators, which give other numbers in each
+    call."""
     try:
         found = {name: p.default for name, p in inspect.signature(call).parameters.items() if p.default is not p.empty}
         while isinstance(call, functools.partial):
@@ -232,11 +234,13 @@ def constants(call: Callable[..., Any], names: Collection[str]) -> dict[str, str
             call = call.func
     except (TypeError, ValueError):  # a function of C without one
         return {}
-    return {name: repr(value)[:60] for name, value in found.items() if name not in names and _constant(value)}
+    # reprlib bounds the text of any value, and has one for an object whose own raises
+    return {name: reprlib.repr(value)[:60] for name, value in found.items() if name not in names and _constant(value)}
 
 
 def _constant(value: object) -> bool:
-    return value is not None and not callable(value) and not hasattr(value, "random")
+    flag = value is None or isinstance(value, bool)
+    return not flag and not callable(value) and inspect.getattr_static(value, "random", None) is None
 
 
 def _accepts_trace(call: Callable[..., Any], names: Mapping[str, object]) -> None:

@@ -14,7 +14,7 @@ export function FindingMargins({ runs }: { runs: Compared[] }) {
   const decimals = decimalsFor(cases.flat().flatMap((finding) => finding?.margin ?? []))
   const how = placed
     ? `the same case: no parameter further apart than ${plain(100 * APART)} % of its range`
-    : 'the runs vary different parameters: ordered by margin, not by position'
+    : 'the runs vary different parameters, or those of different parts: ordered by margin, not by position'
   return (
     <Card
       title="Margin of each finding"

@@ -18,7 +18,7 @@ const LOOK = { colour: '', colours: null, shape: 'ring', title: 'DIRECT', short:
 vi.mock('../ui/methods', async (real) => ({ ...(await real<object>()), useMethodLook: () => () => LOOK }))
 
 const compared = (letter: string, worst: number | null, more: Partial<RunDetail> = {}): Compared => ({
-  id: `R-${letter}`, letter, dash: [], stages: [], evaluations: undefined, nominal: undefined, worst: undefined, catalogue: undefined, parameters: [], parts: '',
+  id: `R-${letter}`, letter, dash: [], stages: [], evaluations: undefined, nominal: undefined, worst: undefined, catalogue: undefined, parameters: [], parts: {},
   findings: [finding('F1', { margin: (worst ?? 1) - 1 })],
   run: run({
     ...{ id: `R-${letter}`, verdict: worst !== null && worst <= 1 ? 'violated' : 'cleared', worst_cost: worst, margin: worst === null ? null : worst - 1 },

@@ -8,7 +8,7 @@ import { Results } from './Results'
 
 const compared = (letter: string, failed: number, excluded: number) =>
   ({
-    ...{ id: `R-${letter}`, letter, dash: [], findings: [], parameters: [], parts: '' },
+    ...{ id: `R-${letter}`, letter, dash: [], findings: [], parameters: [], parts: {} },
     stages: [],
     run: {
       ...{ id: `R-${letter}`, state: 'done', verdict: 'inconclusive', quantity: 'd_min', unit: 'm', threshold: 0.5 },

@@ -19,7 +19,7 @@ vi.mock('../theme/useTheme', () => ({ useTheme: () => 'light' }))
 
 const compared = (letter: string, more: Partial<Compared> = {}): Compared => ({
   id: `R-${letter}`, letter, dash: letter === 'A' ? [] : [6, 3], run: run({ id: `R-${letter}` }), stages: [], findings: [], evaluations: undefined,
-  nominal: undefined, worst: undefined, catalogue: undefined, parameters: [], parts: '', ...more,
+  nominal: undefined, worst: undefined, catalogue: undefined, parameters: [], parts: {}, ...more,
 })
 
 /** All elements that a component returns, without rendering those within. */

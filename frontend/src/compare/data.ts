@@ -6,7 +6,7 @@ import type { Catalogue, Evaluations, FindingDetail, RunDetail, StageDetail, Tra
 import { conditionsOf } from '../format/counts'
 import { worstOf } from '../run/data/chosen'
 import { uncertainOf, type UncertainParameter } from '../run/data/data'
-import { partsOf } from './matching'
+import { type Parts, partsOf } from './matching'
 import { DASHES, LETTERS } from './search'
 
 export interface Compared {
@@ -22,8 +22,7 @@ export interface Compared {
   /** The descriptions of its components and methods. */
   catalogue: Catalogue | undefined
   parameters: UncertainParameter[]
-  /** The listed parts of which something varies (`partsOf`). */
-  parts: string
+  parts: Parts
 }
 
 export interface Comparison {

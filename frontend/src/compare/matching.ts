@@ -8,31 +8,51 @@ export const APART = 0.1
 
 export type Searched = Pick<Compared, 'findings' | 'parameters' | 'parts'>
 
-/**
- * The obstacles, disturbances and faults of which something varies, as the campaign states them but for what varies: their
- * paths are positions in a list, where another campaign may have another part.
- */
-export function partsOf(campaign: Campaign, paths: readonly string[]): string {
-  const varied = new Set(paths.map((path) => /^(obstacles|environment|faults)\.(\d+)\./.exec(path)?.slice(1, 3).join('.') ?? ''))
-  const lists = ['obstacles', 'environment', 'faults'] as const
-  const parts = lists.flatMap((name) =>
-    (campaign.scenario?.[name] ?? []).flatMap((part, i) => {
-      const prefix = `${name}.${i}`
-      return varied.has(prefix) ? [[prefix, part.component, part.on ?? '', ...fixedOf(prefix, part.parameters ?? {}, paths)]] : []
+/** An obstacle, disturbance or fault: its component, and its stated values by the path below it, null if varied. */
+type Part = { component: string; values: Map<string, string | null> }
+/** By the prefix of their paths, which are positions in a list, where another campaign may have another part. */
+export type Parts = Record<string, Part>
+
+const LISTS = ['obstacles', 'environment', 'faults'] as const
+
+export function partsOf(campaign: Campaign, paths: readonly string[]): Parts {
+  const parts = LISTS.flatMap((name) =>
+    (campaign.scenario?.[name] ?? []).map((part, i): [string, Part] => {
+      const below = `${name}.${i}.`
+      const varied = paths.filter((path) => path.startsWith(below)).map((path): [string, null] => [path.slice(below.length), null])
+      const component = `${part.component} ${part.on ?? ''}`
+      const values = new Map<string, string | null>([...valuesOf(part.parameters ?? {}), ...varied])
+      return [`${name}.${i}`, { component, values }]
     }),
   )
-  return JSON.stringify(parts)
+  return Object.fromEntries(parts)
 }
 
-/** The values by path that are not varied, of parameters that may be nested. */
-function fixedOf(prefix: string, values: object, paths: readonly string[]): string[] {
-  return Object.entries(values)
-    .flatMap(([name, value]: [string, unknown]) => {
-      const path = `${prefix}.${name}`
-      if (typeof value === 'object' && value !== null) return fixedOf(path, value, paths)
-      return paths.includes(path) ? [] : [`${path}=${String(value)}`]
-    })
-    .sort()
+/** Values by path, of parameters that may be nested. */
+function valuesOf(values: object, above = ''): [string, string][] {
+  return Object.entries(values).flatMap(([name, value]: [string, unknown]): [string, string][] =>
+    typeof value === 'object' && value !== null ? valuesOf(value, `${above}${name}.`) : [[`${above}${name}`, String(value)]],
+  )
+}
+
+/** How many values of two parts differ that neither campaign varies; infinite for other components. */
+function differing(a: Part, b: Part): number {
+  if (a.component !== b.component) return Number.POSITIVE_INFINITY
+  const names = new Set([...a.values.keys(), ...b.values.keys()])
+  const fixed = [...names].filter((name) => a.values.get(name) !== null && b.values.get(name) !== null)
+  return fixed.filter((name) => a.values.get(name) !== b.values.get(name)).length
+}
+
+/** Whether every part of which something varies is the same one in both, or was changed: then no other part there is closer. */
+function sameParts(a: Parts, b: Parts): boolean {
+  return Object.entries(a).every(([prefix, part]) => {
+    if (![...part.values.values()].includes(null)) return true
+    const there = b[prefix]
+    if (!there) return false
+    const own = differing(part, there)
+    const others = Object.entries(b).filter(([other]) => other.split('.')[0] === prefix.split('.')[0])
+    return own < Number.POSITIVE_INFINITY && others.every(([, other]) => own <= differing(part, other))
+  })
 }
 
 /** One distinct worst case, in each run that has it. */
@@ -72,7 +92,7 @@ function rangesOf(runs: readonly Searched[]): Ranges | null {
   const [first] = runs
   if (!first) return null
   for (const { parameters, parts } of runs) {
-    if (parts !== first.parts) return null
+    if (!sameParts(first.parts, parts) || !sameParts(parts, first.parts)) return null
     if (parameters.length !== first.parameters.length) return null
     for (const { path, low, high } of parameters) {
       const [a, b] = ends.get(path) ?? [low, high]

@@ -227,11 +227,17 @@ def constants(call: Callable[..., Any], names: Collection[str]) -> dict[str, str
     """The other parameters of a function, by name with what it receives for each: its default, or what
     `functools.partial` binds. Not those without a value, flags, and generators, which give other numbers in each
     call."""
+    found: dict[str, Any] = {}
+    inner: Any = call
     try:
-        found = {name: p.default for name, p in inspect.signature(call).parameters.items() if p.default is not p.empty}
-        while isinstance(call, functools.partial):
-            found = {**call.keywords, **inspect.signature(call.func).bind_partial(*call.args).arguments, **found}
-            call = call.func
+        while inner is not None:
+            defaults = {name: p.default for name, p in inspect.signature(inner).parameters.items()}
+            found = {name: value for name, value in defaults.items() if value is not inspect.Parameter.empty} | found
+            if isinstance(inner, functools.partial):
+                found = {**inner.keywords, **inspect.signature(inner.func).bind_partial(*inner.args).arguments, **found}
+                inner = inner.func
+            else:
+                inner = inspect.getattr_static(inner, "pyfunc", None)  # of numpy.vectorize
     except (TypeError, ValueError):  # a function of C without one
         return {}
     # reprlib bounds the text of any value, and has one for an object whose own raises

@@ -115,17 +115,36 @@ def found(reader: sa.Connection, *conditions: sa.ColumnElement[bool]) -> list[Fo
 
 def violating(reader: sa.Connection, limit: float, *conditions: sa.ColumnElement[bool]) -> list[Found]:
     """The listed runs among these that violate, found a value at or below the limit, or one beyond the horizon."""
-    seen = sa.or_(Run.verdict == VerdictWord.VIOLATED, at_or_below(limit), unread(), Run.later.is_not(None))
-    some = found(reader, *conditions, *LISTED, seen)
+    some = found(reader, *conditions, *LISTED, _seen(limit))
     return [o for o in some if o.verdict == VerdictWord.VIOLATED or o.later is not None or _lowest(o) <= limit]
+
+
+def _seen(limit: float) -> sa.ColumnElement[bool]:
+    return sa.or_(Run.verdict == VerdictWord.VIOLATED, at_or_below(limit), unread(), Run.later.is_not(None))
+
+
+def _doubted(reader: sa.Connection, run_ids: Collection[int]) -> list[int]:
+    """Of these the runs with a verdict that another run of their question may speak against. Most lists have none, and
+    then nothing else is read."""
+    own: list[Any] = []
+    for some in chunks(run_ids):
+        with_verdict = (Run.verdict.is_not(None), Run.verdict != VerdictWord.VIOLATED, Run.question.is_not(None))
+        own += reader.execute(sa.select(Run.id, Run.question, Run.threshold).where(Run.id.in_(some), *with_verdict))
+    limit = max((row.threshold for row in own if row.threshold is not None), default=-math.inf)
+    seen: dict[str | None, set[int]] = defaultdict(set)
+    for questions in chunks({row.question for row in own}):
+        of = sa.select(Run.question, Run.id).where(Run.question.in_(questions), *LISTED, _seen(limit))
+        for question, run_id in reader.execute(of):
+            seen[question].add(run_id)
+    return [row.id for row in own if seen[row.question] - {row.id}]
 
 
 def against(reader: sa.Connection, run_ids: Collection[int]) -> dict[int, list[Found]]:
     """The listed other runs that speak against the verdict of each, by run; none against one that violates. `later` is
     only of those that speak against it by nothing else."""
     own: list[Found] = []
-    for some in chunks(run_ids):
-        own += found(reader, Run.id.in_(some), Run.verdict.is_not(None), Run.question.is_not(None))
+    for some in chunks(_doubted(reader, run_ids)):
+        own += found(reader, Run.id.in_(some))
     own = [one for one in own if one.verdict not in (None, VerdictWord.VIOLATED)]
     limit = max((one.threshold for one in own if one.threshold is not None), default=-math.inf)
     others: dict[str, list[Found]] = defaultdict(list)

@@ -177,6 +177,18 @@ def test_runs_of_a_list_that_ask_the_same_are_compared_once(
     assert len(compared) == 1
 
 
+def test_only_what_may_be_contradicted_is_compared(
+    service: Service, client: httpx.Client, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Of most lists nothing more is read than which runs ask the same."""
+    for _ in range(3):
+        ran(service, client)
+    submit(client, criterion={"threshold": 0.1})
+    finish_fully(service, "inconclusive")
+    monkeypatch.setattr(violations, "found", lambda *_: pytest.fail("read"))
+    assert {row["against"] for row in client.get(f"{API}/runs").json()["items"]} == {""}
+
+
 def test_the_matrix_compares_what_is_beyond_the_horizon_as_pages_do(service: Service, client: httpx.Client) -> None:
     """With the lowest value of the cleared run, also where only an evaluation made again had it."""
     submit(client, name="renamed", seed=9)

@@ -8,6 +8,7 @@ from typing import Literal
 import sqlalchemy as sa
 
 from backend.db import codes
+from backend.db.tables import Run
 from backend.runs import identity, service
 from backend.runs.schemas import ChangedFile, CodeChanges
 from campaigns import Campaign
@@ -35,8 +36,14 @@ def changes(reader: sa.Connection, run_id: int, against: int) -> CodeChanges:
         changes=[one.text for one in found],
         unidentified=list(dict.fromkeys(then.unidentified + now.unidentified)),
         same_model=may_equal(then, now),
+        same_question=_same_question(reader, run_id, against),
         files=None if (files := _modules(reader, then, now, used, same)) is None else own + files,
     )
+
+
+def _same_question(reader: sa.Connection, run_id: int, against: int) -> bool | None:
+    asked = reader.scalars(sa.select(Run.question).where(Run.id.in_((run_id, against)))).all()
+    return None if None in asked else len(set(asked)) == 1
 
 
 def _own(change: Change) -> ChangedFile:

@@ -338,6 +338,8 @@ class CodeChanges(Schema):
     """What of the two was not stored or cannot be read exactly, and may differ."""
     same_model: bool
     """Whether both may have evaluated the same model: false only if a file of it is known to differ."""
+    same_question: bool | None
+    """Whether both ask the same, so that a violation of one speaks against the other; None if that is not stored."""
     files: list[ChangedFile] | None
     """The source files that differ, own files and those of the campaign's components and methods first; None unless
     the files of both engines are stored."""

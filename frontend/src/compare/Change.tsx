@@ -6,7 +6,7 @@ import { tally } from '../format/names'
 import { decimalsFor, fixed, margin } from '../format/numbers'
 import { Sign } from '../ui/Sign'
 import { Spans } from '../ui/Spans'
-import { lookOf, type Outcome, OutcomeIcon, outcomeOf, wordOf } from '../ui/VerdictBadge'
+import { lookOf, type Outcome, OutcomeIcon, shownAs, wordOf } from '../ui/VerdictBadge'
 import { type Cause, causeText, otherQuestion } from './cause'
 import { type Compared, isDone, unitOf } from './data'
 import { differences } from './differences'
@@ -17,9 +17,9 @@ export function Change({ runs }: { runs: Compared[] }) {
   const [a, b] = runs
   const cause = useCause(runs)
   if (!a || !b) return null
-  const outcomes = runs.map(({ run }) => outcomeOf(run))
+  const outcomes = runs.map(({ run }) => shownAs(run))
   const changed = cause !== null && isChange(a, b, cause)
-  const outcome = changed ? outcomeOf(b.run) : gravest(outcomes)
+  const outcome = changed ? shownAs(b.run) : gravest(outcomes)
   return (
     <section className={cards.banner} data-tone={lookOf(outcome).tone} aria-label="Change of the verdict">
       <OutcomeIcon outcome={outcome} />
@@ -47,7 +47,8 @@ function useCause(runs: Compared[]): Cause | null {
 
 /** Whether the second run is of something else than the first, so that a verdict can have changed. */
 const isChange = (a: Compared, b: Compared, { question, code }: Cause): boolean =>
-  isDone(a) && isDone(b) && (question.length > 0 || code?.same_model === false || a.run.threshold !== b.run.threshold)
+  isDone(a) && isDone(b) &&
+  ((question.length > 0 && code?.same_question !== true) || code?.same_model === false || a.run.threshold !== b.run.threshold)
 
 function titleOf(runs: Compared[], changed: boolean): string {
   const words = runs.map(({ run }) => wordOf(run).toLowerCase())

@@ -24,14 +24,14 @@ export interface Cause {
   /** See `otherQuestion`. */
   question: string[]
   /** Undefined until it is loaded, or if it cannot be. */
-  code: Pick<CodeChanges, 'same_model' | 'unidentified'> | undefined
+  code: Pick<CodeChanges, 'same_model' | 'same_question' | 'unidentified'> | undefined
 }
 
 /** What the runs differ in, or that only the search did; empty if that is not known. higher: the value of B. */
 export function causeText({ question, code }: Cause, higher: boolean): string {
   const differing = [...question, ...(code?.same_model === false ? ['the code of the model'] : [])]
   if (differing.length > 0) return `The runs differ in: ${differing.join('; ')}.`
-  if (!code) return ''
+  if (!code || code.same_question === false) return ''
   const same = code.unidentified.length > 0 ? 'The question is the same, and the model as far as it is identified' : 'Question and model are the same'
   return `${same}: the search of B ${higher ? 'did not find the lower value of A' : 'found a lower value than that of A'}.`
 }

@@ -27,7 +27,7 @@ const compared = (letter: string, worst: number | null, more: Partial<RunDetail>
 })
 const unended = (letter: string, state: RunState, worst: number | null, more: Partial<RunDetail> = {}) =>
   compared(letter, worst, { state, verdict: null, ...more })
-const SAME: CodeChanges = { code: 'a', against: 'a', changes: [], unidentified: [], same_model: true, files: [] }
+const SAME: CodeChanges = { code: 'a', against: 'a', changes: [], unidentified: [], same_model: true, same_question: true, files: [] }
 
 const shown = (runs: Compared[], code?: Partial<CodeChanges>) => {
   const cache = new QueryClient()
@@ -59,13 +59,24 @@ it('states no change where only the search differs, and what speaks against a ru
 it('names what differs in the question or the model', () => {
   const bounds = (high: number) => campaign({ uncertain: { 'vehicle.m': { low: 4, high } } })
   const wider = [compared('A', 3, bounds(6)), compared('B', -0.2, bounds(8))]
-  expect(shown(wider, {}).change).toContain('From cleared to violated')
-  expect(shown(wider, {}).change).toContain('The runs differ in: the bounds of vehicle.m.')
-  expect(shown(wider, { same_model: false }).change).toContain('The runs differ in: the bounds of vehicle.m; the code of the model.')
+  const other = { same_question: false }
+  expect(shown(wider, other).change).toContain('From cleared to violated')
+  expect(shown(wider, other).change).toContain('The runs differ in: the bounds of vehicle.m.')
+  expect(shown(wider, { ...other, same_model: false }).change).toContain('The runs differ in: the bounds of vehicle.m; the code of the model.')
   const model = shown([compared('A', 3), compared('B', -0.2)], { same_model: false }).change
   expect(model).toContain('From cleared to violated')
   expect(model).toContain('3.20 m lower')
   expect(model).toContain('The runs differ in: the code of the model.')
+})
+
+it('states no change of the verdict where the service finds the same question', () => {
+  const repeated = (repeats: number) => campaign({ simulator: { name: 'basins', repeats } })
+  const { change } = shown([compared('A', -0.2, repeated(3)), compared('B', 3, repeated(1))], {})
+  expect(change).toContain('A violated; B cleared')
+  expect(change).toContain('The runs differ in: simulator.repeats.')
+  // Not known of runs of an earlier version.
+  expect(shown([compared('A', -0.2, repeated(3)), compared('B', 3, repeated(1))], { same_question: null }).change).toContain('From violated to cleared')
+  expect(shown([compared('A', -0.2), compared('B', 3)], { same_question: false }).change).not.toContain('are the same')
 })
 
 it('compares no number of a search that has not ended', () => {

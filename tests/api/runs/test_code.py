@@ -24,7 +24,7 @@ from tests.given.finished_runs import search
 from tests.given.reported_runs import PLAN, finish_fully
 from tests.given.service import Service
 from tests.given.small_catalogue import CATALOGUE
-from tests.given.submissions import submit
+from tests.given.submissions import altered, submit
 
 
 def claimed(service: Service) -> RunStore:
@@ -169,10 +169,26 @@ def test_two_runs_of_one_campaign_name_the_files_of_their_code_that_differ(
     assert [file["change"] for file in told(runs[0], runs[1])["files"]] == ["changed", "removed", "removed"]  # type: ignore[attr-defined]
     assert told(runs[0], runs[0])["files"] == []
     waiting = {"code": None, "against": IDENTITY.digest, "changes": [], "unidentified": ["engine"], "files": None}
-    assert told(runs[2], runs[0]) == {**waiting, "same_model": True}, "it has not started"
+    assert told(runs[2], runs[0]) == {**waiting, "same_model": True, "same_question": True}, "it has not started"
     assert client.get(f"/api/v1/runs/{runs[0]}/code", params={"against": "R-9999"}).status_code == 404
     assert client.get(f"/api/v1/runs/{runs[0]}/code", params={"against": "../x"}).status_code == 404
     assert client.get(f"/api/v1/runs/{runs[0]}/code").status_code == 422
+
+
+def test_whether_two_runs_ask_the_same_is_stated_by_the_rule_of_what_speaks_against_a_run(
+    service: Service, client: httpx.Client
+) -> None:
+    first = submit(client)
+
+    def same(**changes: object) -> object:
+        path = f"/api/v1/runs/{submit(client, **changes)}/code"
+        return client.get(path, params={"against": first}).json()["same_question"]
+
+    assert [same(), same(seed=9), same(criterion={"threshold": 0.6})] == [True] * 3
+    assert same(**altered("scenario", "horizon", value=16)) is False
+    with service.engine.begin() as writer:
+        writer.execute(sa.update(Run).where(Run.id == 1).values(question=None))
+    assert same() is None
 
 
 def test_a_database_of_the_migration_before_keeps_its_runs(tmp_path: Path) -> None:

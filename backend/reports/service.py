@@ -93,6 +93,8 @@ def _context(record: Record) -> dict[str, object]:
     tone, word, icon = _VERDICTS.get(
         run.verdict or "", ("err", f"{run.state.capitalize()}: no verdict", "M12 8v5M12 16v.01")
     )
+    if run.verdict == "cleared" and run.against:  # no tick, as on the pages
+        tone, _, icon = _VERDICTS["inconclusive"]
     stated = verdict.statement if verdict is not None else say(run.reason or "")
     sentence = stated if run.verdict else say(_STATES[run.state])
     return {

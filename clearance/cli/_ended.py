@@ -161,7 +161,7 @@ class EndedRun:
 
     @property
     def contradicted(self) -> bool:
-        """Whether it is cleared and other runs speak against that, so that it has missed a case that exists."""
+        """Whether it is cleared and other runs speak against that: they violate, or found what no verdict confirms."""
         return self.verdict is not None and self.verdict.verdict == "cleared" and bool(self.against)
 
     @property

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -27,9 +27,11 @@ SOURCES = {"search": ", from a random search", "certify_stated": f",{STATED_SEED
 """What a bound rests on, if its seed was not drawn at the launch."""
 EXCLUDED = " of draws excluded"
 STATES = (
-    "queued", "running", "cancelling", "cleared", "violated", "inconclusive", "cancelled", "failed", "purged",
+    "queued", "running", "cancelling", "cleared", "contradicted", "violated", "inconclusive", "cancelled", "failed",
+    "purged",
 )  # fmt: skip
-"""Of runs, in the order of the page; verdicts in place of "done", so that each run is counted once."""
+"""Of runs, in the order of the page; verdicts in place of "done", so that each run is counted once; a contradicted one
+is cleared as well."""
 
 
 def parsed(option: str) -> tuple[str, list[float]]:
@@ -82,11 +84,17 @@ def sweep(
 def _followed(service: Client, sweep: Sweep, quiet: bool) -> Sweep:
     before = ""
     for found in service.follow_sweep(sweep):
-        line = f"{sweep.id}: " + ", ".join(f"{found.states[word]} {word}" for word in STATES if found.states.get(word))
+        line = f"{sweep.id}: {_counted(found.states)}"
         if not quiet and line != before:
             typer.echo(line, err=True)
         before = line
     return found
+
+
+def _counted(states: Mapping[str, int]) -> str:
+    """2 cleared, of these 1 contradicted, 1 violated."""
+    of = {"contradicted": "of these "}
+    return ", ".join(f"{of.get(word, '')}{states[word]} {word}" for word in STATES if states.get(word))
 
 
 def _lines(found: Sweep) -> list[str]:

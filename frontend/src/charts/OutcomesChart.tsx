@@ -2,7 +2,7 @@
 import { clsx } from 'clsx'
 import { Sign } from '../ui/Sign'
 import { VerdictBadge } from '../ui/VerdictBadge'
-import { type At, type Axis, boundName, boundsOf, commonOf, isBare, kindsOf, marginsOf, observedName, spoken } from './outcomes'
+import { type At, type Axis, boundName, boundsOf, commonOf, isBare, type Kind, kindsOf, marginsOf, observedName, spoken } from './outcomes'
 import { layout } from '../ui/styles'
 import styles from './outcomes.module.css'
 import { Plot } from './Plot'
@@ -39,7 +39,7 @@ export function OutcomesChart({ points, axis, sync, name }: OutcomesChartProps) 
       />
       {bounds && <Plot spec={{ ...bounds, left: 58, yTitle: 'P(violation), %' }} />}
       <div className={clsx(layout.row, 'sec', styles.legend)}>
-        {kindsOf(points.filter((point) => !isBare(point))).map((kind) => kind !== 'purged' && <VerdictBadge key={kind} outcome={kind} />)}
+        {kindsOf(points.filter((point) => !isBare(point))).map((kind) => <Named key={kind} kind={kind} />)}
         {bounds && (
           <>
             <span className={styles.key}>
@@ -58,11 +58,17 @@ export function OutcomesChart({ points, axis, sync, name }: OutcomesChartProps) 
         {bare.length > 0 && (
           <span className={styles.key}>
             <i className={styles.rule} /> No worst margin:
-            {bare.map((kind) => (kind === 'purged' ? <span key={kind}>purged</span> : <VerdictBadge key={kind} outcome={kind} />))}
+            {bare.map((kind) => <Named key={kind} kind={kind} />)}
           </span>
         )}
       </div>
       <p className="sr">{spoken(points, name)}</p>
     </>
   )
+}
+
+function Named({ kind }: { kind: Kind }) {
+  if (kind === 'purged') return <span>purged</span>
+  if (kind === 'contradicted') return <VerdictBadge outcome="inconclusive" word="Cleared: contradicted" />
+  return <VerdictBadge outcome={kind} />
 }

@@ -36,6 +36,13 @@ it('draws margins of runs that are done, and marks the others', () => {
   expect(spec?.yText(-0.1)).toBe('−0.1000 m')
 })
 
+it('draws a contradicted run as no success', () => {
+  const against = 'R-0002 violates the criterion, on the same question and model.'
+  const both: At[] = [{ x: 1, run: 'R-0001', outcome: outcome({ against }) }, { x: 2, run: 'R-0003', outcome: outcome() }]
+  expect(marginsOf(both, axis, 200, 's')?.points?.map(({ colour, hollow }) => [colour, hollow])).toEqual([['--unk-solid', true], ['--ok-solid', false]])
+  expect(kindsOf(both)).toEqual(['cleared', 'contradicted'])
+})
+
 it('draws bounds and observed fractions in percent', () => {
   const spec = boundsOf(points, axis, 200, 's')
   expect(spec?.lines.map((line) => line.y)).toEqual([

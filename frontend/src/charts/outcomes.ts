@@ -2,7 +2,7 @@
 import type { Outcome } from '../client'
 import { boundText } from '../format/counts'
 import { confidenceText, decimalsFor, fixed, margin, plain, probability } from '../format/numbers'
-import { outcomeOf, type Outcome as Word, wordOf } from '../ui/VerdictBadge'
+import { outcomeOf, shownAs, type Outcome as Word, wordOf } from '../ui/VerdictBadge'
 import type { Line, PlotSpec, Point } from './spec'
 
 /** A position on the horizontal axis and the run there; null if its results were purged. */
@@ -12,20 +12,23 @@ export interface At {
   outcome: Outcome | null
 }
 
-export type Kind = Word | 'purged'
+export type Kind = Word | 'contradicted' | 'purged'
 
-export const kindOf = (outcome: Outcome | null): Kind => (outcome ? outcomeOf(outcome) : 'purged')
+export function kindOf(outcome: Outcome | null): Kind {
+  if (!outcome) return 'purged'
+  return shownAs(outcome) === outcomeOf(outcome) ? outcomeOf(outcome) : 'contradicted'
+}
 
 /** The kinds among the runs, each once, in a fixed order. */
-const ORDER: readonly Kind[] = ['cleared', 'violated', 'inconclusive', 'queued', 'running', 'cancelling', 'cancelled', 'failed', 'purged']
+const ORDER: readonly Kind[] = ['cleared', 'contradicted', 'violated', 'inconclusive', 'queued', 'running', 'cancelling', 'cancelled', 'failed', 'purged']
 export const kindsOf = (points: readonly At[]): Kind[] =>
   ORDER.filter((kind) => points.some(({ outcome }) => kindOf(outcome) === kind))
 
 /** Whether a run has no worst margin, so that only its position is marked. */
 export const isBare = ({ outcome }: At): boolean => outcome?.margin === null || outcome?.margin === undefined
 
-/** Colour and shape: cleared and violated are filled, inconclusive is hollow; a violation is below the criterion. */
-const COLOUR: Partial<Record<Kind, string>> = { cleared: '--ok-solid', violated: '--bad-solid', inconclusive: '--unk-solid' }
+/** Colour and shape: cleared and violated are filled, contradicted and inconclusive are hollow; a violation is below the criterion. */
+const COLOUR: Partial<Record<Kind, string>> = { cleared: '--ok-solid', violated: '--bad-solid', contradicted: '--unk-solid', inconclusive: '--unk-solid' }
 
 /** The unit and symbol of the runs, if all that are done share them. */
 export function commonOf(points: readonly At[]): { quantity: string; unit: string } | null {
@@ -70,7 +73,7 @@ export function marginsOf(points: readonly At[], axis: Axis, height: number, syn
     points: points.flatMap(({ x, outcome }): Point[] => {
       const kind = kindOf(outcome)
       if (outcome?.margin === null || outcome?.margin === undefined) return []
-      return [{ x, y: outcome.margin, colour: COLOUR[kind] ?? '--c-nom', hollow: kind === 'inconclusive' }]
+      return [{ x, y: outcome.margin, colour: COLOUR[kind] ?? '--c-nom', hollow: kind === 'contradicted' || kind === 'inconclusive' }]
     }),
     criterion: { value: 0, label: 'Criterion: margin 0', tint: true },
     yText: (y) => `${margin(y, decimals)} ${common.unit}`.trim(),

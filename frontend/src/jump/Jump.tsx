@@ -10,7 +10,7 @@ import * as calls from '../api/calls'
 import { catalogueQuery, libraryQuery } from '../api/queries'
 import type { RunSummary } from '../client'
 import type { OpenApi } from '../docs/openapi'
-import { OutcomeIcon, lookOf, outcomeOf, wordOf } from '../ui/VerdictBadge'
+import { OutcomeIcon, lookOf, shownAs, wordOf } from '../ui/VerdictBadge'
 import { Themed } from '../overlay/Themed'
 import { useReturnFocus } from '../overlay/useReturnFocus'
 import { typedEarly } from './early'
@@ -114,7 +114,7 @@ function Group({ name, children }: { name: string; children: readonly ReactNode[
 }
 
 function runOption(run: RunSummary): ReactNode {
-  const outcome = outcomeOf(run)
+  const outcome = shownAs(run)
   return (
     <Combobox.Option key={run.id} value={`/runs/${run.id}`}>
       <span data-tone={lookOf(outcome).tone}>

@@ -9,7 +9,7 @@ import { launchedBy } from '../format/people'
 import { MarginBar } from '../ui/bars'
 import { MethodName } from '../ui/MethodMark'
 import { Sign } from '../ui/Sign'
-import { RunBadge } from '../ui/VerdictBadge'
+import { RunBadge, shownAs } from '../ui/VerdictBadge'
 import { amount, type CellContext, Removal, Time } from './cells'
 import { Spark } from './Spark'
 import { badges, layout, tables } from '../ui/styles'
@@ -226,7 +226,7 @@ function Margin({ run, context }: { run: RunSummary; context: CellContext }) {
         {unit}
       </span>
       {run.margin !== null && run.threshold ? (
-        <MarginBar margin={run.margin} threshold={run.threshold} cleared={run.verdict === 'cleared'} />
+        <MarginBar margin={run.margin} threshold={run.threshold} cleared={shownAs(run) === 'cleared'} />
       ) : (
         <span style={{ width: 50 }} />
       )}

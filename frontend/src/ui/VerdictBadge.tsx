@@ -31,6 +31,10 @@ export function outcomeOf(run: Pick<RunSummary, 'state' | 'verdict'>): Outcome {
   return run.verdict ?? (run.state === 'done' ? 'inconclusive' : run.state)
 }
 
+/** The outcome of which a run has icon and colour: a cleared one that other runs speak against has no tick. */
+export const shownAs = (run: Pick<RunSummary, 'state' | 'verdict'> & Partial<Pick<RunSummary, 'against'>>): Outcome =>
+  run.verdict === 'cleared' && run.against ? 'inconclusive' : outcomeOf(run)
+
 export const lookOf = (outcome: Outcome) => LOOK[outcome]
 
 export function OutcomeIcon({ outcome, className = 'i' }: { outcome: Outcome; className?: string }) {
@@ -68,7 +72,7 @@ export const Badge = ({ tone, Icon, children, ...rest }: BadgeProps) => (
 
 /** title: which other runs speak against the verdict. */
 export const RunBadge = ({ run }: { run: Ended }) => (
-  <VerdictBadge outcome={outcomeOf(run)} word={wordOf(run)} title={run.against || undefined} />
+  <VerdictBadge outcome={shownAs(run)} word={wordOf(run)} title={run.against || undefined} />
 )
 
 export function VerdictBadge({ outcome, word = LOOK[outcome].word, title }: { outcome: Outcome; word?: string; title?: string | undefined }) {

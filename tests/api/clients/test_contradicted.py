@@ -73,7 +73,10 @@ def test_every_place_states_that_another_run_speaks_against_it(service: Service,
     before = stated(service, client)
     assert before == dict.fromkeys(before, "")
     assert not any(marks(client).values())
+    tick = '<section class="vbox ok"'
+    assert tick in client.get(f"{API}/runs/R-0001/report.html").text
     violated(service)
+    assert tick not in client.get(f"{API}/runs/R-0001/report.html").text
     after = stated(service, client)
     assert after == dict.fromkeys(before, SENTENCE)
     assert all(marks(client).values())
@@ -127,9 +130,11 @@ def test_a_sweep_does_not_succeed_by_such_a_run(service: Service, client: httpx.
 
     sweep, states, verdicts = swept()
     assert (states, verdicts, _sweep._code(sweep)) == ({"done": 2, "cleared": 2}, ["cleared"] * 2, 0)
+    assert _sweep._counted(states) == "2 cleared"
     violated(service)
     sweep, states, verdicts = swept()
     assert states == {"done": 2, "cleared": 2, "contradicted": 1}
+    assert _sweep._counted(states) == "2 cleared, of these 1 contradicted"
     assert verdicts == [f"cleared{MARK}{SENTENCE}", "cleared"]
     assert _sweep._code(sweep) == CODES["inconclusive"]
     assert f"cleared{MARK}, worst margin" in _sweep._line(sweep, sweep.points[0])

@@ -9,7 +9,7 @@ import { words } from '../../format/spans'
 import { HelpLink } from '../../help/links'
 import { RunLink } from '../../ui/RunLink'
 import { Spans } from '../../ui/Spans'
-import { lookOf, type Outcome, OutcomeIcon, outcomeOf, wordOf } from '../../ui/VerdictBadge'
+import { lookOf, type Outcome, OutcomeIcon, outcomeOf, shownAs, wordOf } from '../../ui/VerdictBadge'
 import type { RunData } from '../data/data'
 import { NextSteps } from './NextSteps'
 import { cards, layout } from '../../ui/styles'
@@ -19,10 +19,10 @@ export function Banner({ data }: { data: RunData }) {
   const { run } = data
   const outcome = outcomeOf(run)
   const { summary } = run
-  const { tone } = lookOf(outcome)
+  const { tone } = lookOf(shownAs(run))
   return (
     <section className={cards.banner} data-tone={tone} aria-label="Verdict" role={run.verdict ? undefined : 'alert'}>
-      <OutcomeIcon outcome={outcome} />
+      <OutcomeIcon outcome={shownAs(run)} />
       <div>
         <div className={cards.w} data-testid="verdict">
           {run.verdict ? wordOf(run) : `${wordOf(run)}: no verdict`}

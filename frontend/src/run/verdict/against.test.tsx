@@ -33,6 +33,7 @@ it('marks the verdict of a row with the sentence', () => {
   const shown = renderToStaticMarkup(<RunBadge run={of} />)
   expect(shown).toContain(`title="${against}"`)
   expect(shown).toContain('Cleared: contradicted')
+  expect(shown).toContain('data-tone="unk"') // and no tick
   expect([wordOf(of), headlineOf({ ...of, not_sampled: true })]).toEqual(['Cleared: contradicted', 'cleared: not sampled, contradicted'])
   expect(renderToStaticMarkup(<RunBadge run={run({ verdict: 'cleared' })} />)).not.toContain('title')
 })

@@ -2,7 +2,7 @@
 
 import math
 from collections import defaultdict
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from typing import Any
 
 import sqlalchemy as sa
@@ -29,7 +29,7 @@ def upgrade() -> None:
             connection.execute(sa.update(_RUNS).where(_RUNS.c.id == run_id).values(later=min(seen)))
 
 
-def _values(beyond: Mapping[str, Any]) -> Iterator[float]:
+def _values(beyond: Any) -> Iterator[float]:
     lowest = (beyond.get("lowest") or {}).get("value")
     if beyond.get("closer") and isinstance(lowest, int | float):
         yield lowest

@@ -42,8 +42,8 @@ def changes(reader: sa.Connection, run_id: int, against: int) -> CodeChanges:
 
 
 def _same_question(reader: sa.Connection, run_id: int, against: int) -> bool | None:
-    asked = reader.scalars(sa.select(Run.question).where(Run.id.in_((run_id, against)))).all()
-    return None if None in asked else len(set(asked)) == 1
+    questions = reader.scalars(sa.select(Run.question).where(Run.id.in_((run_id, against)))).all()
+    return None if None in questions else len(set(questions)) == 1
 
 
 def _own(change: Change) -> ChangedFile:

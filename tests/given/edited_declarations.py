@@ -22,6 +22,8 @@ def _edited(entry: BaseModel, field: str) -> object:
         return {"low": "high", "high": "low"}[value]
     if isinstance(value, float):
         return value + 0.125
+    if isinstance(value, dict):
+        return value | {"x": "2"}
     return "x" if value is None else f"{value}2"
 
 

@@ -100,12 +100,12 @@ class InProcess(_OfFunction):
         it had that point. Not before every call, so that a table that a store has is not read for each."""
         if not self._stores:
             return
-        asked = {row.tobytes() for row in points}
-        if self._answered is None or asked & self._answered:
+        rows = {row.tobytes() for row in points}
+        if self._answered is None or rows & self._answered:
             for clear in self._stores:
                 clear()
             self._answered = set()
-        self._answered |= asked
+        self._answered |= rows
 
     def evaluate(self, vectors: Floats, seeds: Seeds | None = None) -> tuple[Batch, Reasons]:
         if self.of.vectorized:

@@ -227,7 +227,7 @@ def constants(call: Callable[..., Any], names: Collection[str]) -> dict[str, str
     """The other parameters of a function, by name with what it receives for each: its default, or what
     `functools.partial` binds. Not those without a value, flags, and generators, which give other numbers in each
     call."""
-    found: dict[str, Any] = {}
+    found: Any = {}
     inner: Any = call
     try:
         while inner is not None:

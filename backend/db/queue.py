@@ -19,7 +19,7 @@ from typing import Any
 import sqlalchemy as sa
 from pydantic import ValidationError
 
-from backend.db import labels, numbers, refusals, reset, sizes, snapshots
+from backend.db import labels, numbers, questions, refusals, reset, sizes, snapshots
 from backend.db.engine import insert, now, read
 from backend.db.leases import Leases, doubtful
 from backend.db.losses import LOSSES, MOST_LOSSES, SILENT, failed_after, lost
@@ -28,7 +28,6 @@ from backend.db.tables import CampaignRow, Run, RunRequirement, Stage
 from backend.db.tables_installed import WebhookDelivery
 from campaigns.asked.spec import Campaign
 from campaigns.catalogue import Catalogue
-from campaigns.checked.question import question
 from campaigns.runs import HELD, RunState, StageState
 from campaigns.sample_seed import SampleSeed
 
@@ -96,7 +95,7 @@ def submit(
     needed = None if campaign.simulator is None or catalogue is None else catalogue.simulator(campaign.simulator.name)
     values = {
         "campaign_digest": campaign.digest,
-        "question": question(campaign, catalogue),
+        "question": questions.store(connection, campaign, catalogue),
         "name": name,
         "tags": list(tags),
         "owner": owner,

@@ -19,6 +19,7 @@ from backend.db import (
     codes,
     continuation,
     evaluations_ahead,
+    questions,
     sample_blocks,
     sample_seeds,
     sizes,
@@ -48,7 +49,6 @@ from campaigns.asked.spec import Campaign
 from campaigns.capsules.sources import Sources
 from campaigns.catalogue import Catalogue
 from campaigns.checked.check import simulation_problems
-from campaigns.checked.question import question
 from campaigns.checked.snapshot import absent, values_changed
 from campaigns.identity.identity import differences, identity_of, simulator_of
 from campaigns.results import Finding, StageResult, Verdict
@@ -116,7 +116,7 @@ class RunStore:
                 if _newer(snapshot.version, catalogue):
                     raise OtherCode("; ".join(map(str, missing)))
             found = {"snapshot": snapshots.store(connection, campaign, catalogue)}
-            fenced(connection, self.claim, **found, question=question(campaign, catalogue))
+            fenced(connection, self.claim, **found, question=questions.store(connection, campaign, catalogue))
             return
         others = [] if snapshot is None else values_changed(campaign, snapshot, catalogue)
         if others:

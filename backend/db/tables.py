@@ -172,6 +172,17 @@ class Run(Base):
     )
 
 
+class Question(Base):
+    """What a run asks, see `campaigns.checked.question`: one row for all runs that ask it."""
+
+    __tablename__ = "questions"
+    digest: orm.Mapped[str] = orm.mapped_column(sa.String(64), primary_key=True)
+    kin: orm.Mapped[str] = orm.mapped_column(sa.String(64), index=True)
+    """Equal for questions that differ only in bounds."""
+    parts: orm.Mapped[JsonObject]
+    """The bounds, see `campaigns.checked.box`."""
+
+
 class Stage(Base):
     """One stage of a run; its result is written once, when it ends."""
 

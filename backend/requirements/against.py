@@ -16,20 +16,23 @@ from itertools import chain
 from typing import Any
 
 import sqlalchemy as sa
-from sqlalchemy import orm
 
 from backend.db.engine import chunks
 from backend.db.purge import violates
+from backend.db.questions import alike
 from backend.db.sweeps import in_sweep
 from backend.db.tables import CampaignRow, Run, RunRequirement
 from backend.requirements.standing import EARLIER, Edge, How, how, newest_of
-from backend.runs import violations
-from backend.runs.violations import Found, named, violating
+from backend.runs.found import Found, in_question
+from backend.runs.found import found as found_by
+from backend.runs.found import located as located_among
+from backend.runs.violations import named, violating
 from campaigns.alike import plain
 
 
 def against(reader: sa.Connection, edges: Mapping[str, Sequence[Edge]]) -> list[Edge]:
-    """All other runs that ask the same and violate, or found a value that would violate one of these.
+    """All other runs that ask the same, perhaps within other bounds, and violate, or found a value that would violate
+    one of these.
 
     They need not state the requirement, and may be cancelled, of a sweep, or of a campaign of another name: the value
     was found all the same. A run whose question is not stored can only speak against its own campaign. Which of them
@@ -38,7 +41,7 @@ def against(reader: sa.Connection, edges: Mapping[str, Sequence[Edge]]) -> list[
     every = [e for found in edges.values() for e in found]
     limit = max((e.threshold for e in every if e.threshold is not None), default=-math.inf)
     others: list[Edge] = []
-    for some in chunks({e.question for e in every if e.question}):
+    for some in chunks(alike(reader, {e.question for e in every if e.question})):
         others += _edges(violating(reader, limit, Run.question.in_(some)))
     for some in chunks({e.campaign for e in every if not e.question}):
         others += _edges(violating(reader, limit, Run.question.is_(None), CampaignRow.name.in_(some)))
@@ -47,6 +50,15 @@ def against(reader: sa.Connection, edges: Mapping[str, Sequence[Edge]]) -> list[
 
 def _edges(some: Iterable[Found]) -> list[Edge]:
     return [Edge(**vars(one)) for one in some]
+
+
+def located(
+    reader: sa.Connection, edges: Mapping[str, Sequence[Edge]], others: Sequence[Edge]
+) -> tuple[dict[str, list[Edge]], list[Edge]]:
+    """Both with what tells which of them asks within the bounds of another one."""
+    every = located_among(reader, [*chain.from_iterable(edges.values()), *others])
+    rest = iter(every)
+    return {key: [next(rest) for _ in found] for key, found in edges.items()}, [*rest]
 
 
 MOST_SIMILAR = 20
@@ -77,29 +89,38 @@ def ignored(reader: sa.Connection, ids: Sequence[str], edges: Mapping[str, Seque
             stating[row.requirement].add(row.id)
     speaking = _speaking(reader, ids, gone)
     removed = _removed(reader, {*chain(*speaking.values(), *(stating[key] for key in speaking))})
+    edges, rest = located(reader, edges, removed)
+    by = {edge.run_id: edge for edge in rest}
     for key, runs in speaking.items():
-        own = [removed[run_id] for run_id in stating[key]]
-        spoke = _spoke([removed[run_id] for run_id in sorted(runs)], own, edges.get(key, ()))
+        own = [by[run_id] for run_id in stating[key]]
+        spoke = _spoke([by[run_id] for run_id in sorted(runs)], own, edges.get(key, ()))
         found[key] = replace(found[key], spoke=spoke)
     return found
 
 
 def _speaking(reader: sa.Connection, ids: Sequence[str], gone: sa.ColumnElement[bool]) -> dict[str, set[int]]:
     """The removed runs by requirement that found a violation, and state it or ask what a run that states it asks."""
-    asking = orm.aliased(Run)
-    asks = sa.select(RunRequirement.requirement, Run.id).join(asking, asking.id == RunRequirement.run_id)
-    asks = asks.join(Run, Run.question == asking.question)
     states = sa.select(RunRequirement.requirement, Run.id).join(Run, Run.id == RunRequirement.run_id)
+    states = states.where(RunRequirement.requirement.in_(ids))
     found: dict[str, set[int]] = defaultdict(set)
-    for of in (asks.distinct(), states):  # what has no stored question equals no other one
-        for key, run_id in reader.execute(of.where(gone, violates(), RunRequirement.requirement.in_(ids))):
-            found[key].add(run_id)
+    for key, run_id in reader.execute(states.where(gone, violates())):
+        found[key].add(run_id)
+    asking = states.with_only_columns(RunRequirement.requirement, Run.question).distinct()
+    stated = [(key, question) for key, question in reader.execute(asking) if question]  # without one it equals none
+    kins = alike(reader, {question for _, question in stated})
+    keys: dict[str, set[str]] = defaultdict(set)
+    for key, question in stated:
+        keys[kins[question]].add(key)
+    for alike_ones in chunks(kins):
+        of = sa.select(Run.question, Run.id).where(Run.question.in_(alike_ones), gone, violates())
+        for asks, run_id in reader.execute(of):
+            for key in keys[kins[asks or ""]]:
+                found[key].add(run_id)
     return found
 
 
-def _removed(reader: sa.Connection, runs: Collection[int]) -> dict[int, Edge]:
-    found = chain.from_iterable(violations.found(reader, Run.id.in_(some)) for some in chunks(runs))
-    return {edge.run_id: edge for edge in _edges(found)}
+def _removed(reader: sa.Connection, runs: Collection[int]) -> list[Edge]:
+    return _edges(chain.from_iterable(found_by(reader, Run.id.in_(some)) for some in chunks(runs)))
 
 
 def _spoke(removed: Sequence[Edge], stating: Sequence[Edge], edges: Sequence[Edge]) -> dict[How, list[int]]:
@@ -127,8 +148,8 @@ def _newest(edges: Sequence[Edge]) -> list[Edge]:
 
 
 def _like(edge: Edge, newest: Sequence[Edge]) -> list[Edge]:
-    """Those of the campaign of that name, or of the same question."""
-    return [e for e in newest if e.campaign == edge.campaign or e.question == edge.question]
+    """Those of the campaign of that name, or whose question it speaks of."""
+    return [e for e in newest if e.campaign == edge.campaign or in_question(edge, e) is not None]
 
 
 def _way(edge: Edge, newest: Edge, states: bool) -> How | None:

@@ -25,8 +25,9 @@ from backend.requirements import against
 from backend.requirements.schemas import RequirementPage, RequirementRow, RequirementRun
 from backend.requirements.standing import Edge, Standing, standing
 from backend.runs import identity
+from backend.runs.found import judged
 from backend.runs.outcomes import Outcome, outcomes
-from backend.runs.violations import CLOSER, intending, judged
+from backend.runs.violations import CLOSER, intending
 from backend.signoffs import present
 from backend.signoffs.standing import UNSIGNED, Signature, signatures
 from backend.signoffs.texts import Texts, texts
@@ -83,6 +84,7 @@ def rows(reader: sa.Connection, ids: Sequence[str], most: int) -> list[Requireme
     others = against.against(reader, edges)
     permit = intending(reader, chain.from_iterable(edges.values()), others)
     edges = {key: [replace(e, permits=e.run_id in permit) for e in found] for key, found in edges.items()}
+    edges, others = against.located(reader, edges, others)
     stored = sa.select(Requirement.__table__, RequirementFile.name.label("file"))
     stored = stored.outerjoin(RequirementFile, RequirementFile.id == Requirement.file_id)
     registered = {row.id: row for row in reader.execute(stored.where(Requirement.id.in_(ids)))}

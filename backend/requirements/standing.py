@@ -11,7 +11,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Literal, get_args
 
-from backend.runs.violations import CLOSER, Found, above, at_threshold, comes_closer, named, same_case
+from backend.runs.found import Found, within
+from backend.runs.violations import CLOSER, SAME, WITHIN, above, at_threshold, comes_closer, named
 from campaigns.results.regression import PolicyWord
 from campaigns.results.verdict import VerdictWord
 from campaigns.runs import run_name
@@ -118,12 +119,14 @@ def newest_of(edges: Sequence[Edge]) -> Edge:
 def how(edge: Edge, newest: Edge) -> How | None:
     """How a run speaks against the newest evidence, whether it counts or is removed; None if it does not.
 
-    `violated` and `found` are of the question, the model and the threshold of that evidence; `lowered`, `higher` and
-    `found higher` met a higher threshold only; `before` and `other` violated another question, or on another model.
+    `violated` and `found` are within the question, of the model and of the threshold of that evidence; `lowered`,
+    `higher` and `found higher` met a higher threshold only; `before` and `other` violated another question, or on
+    another model.
     """
-    earlier, violated = edge.run_id < newest.run_id, edge.verdict == VerdictWord.VIOLATED
-    if not same_case(edge, newest):
-        return ("before" if earlier else "other") if violated else None
+    earlier, seen = edge.run_id < newest.run_id, within(edge, newest)
+    if seen is None:
+        return ("before" if earlier else "other") if edge.verdict == VerdictWord.VIOLATED else None
+    edge, violated = seen, seen.verdict == VerdictWord.VIOLATED
     if at_threshold(edge, newest):
         return "violated" if violated else "found"
     if violated:
@@ -138,7 +141,7 @@ def _of_campaign(name: str, edges: Sequence[Edge], others: Sequence[Edge]) -> St
     newest = newest_of(edges)
     evidence = frozenset({newest.run_id})
     every = {e.run_id: e for e in (*edges, *others)}
-    against = [e for _, e in sorted(every.items(), reverse=True) if _stands(e, newest)]
+    against = [seen for _, e in sorted(every.items(), reverse=True) if (seen := _stands(e, newest)) is not None]
     violations = [e for e in against if e.verdict == VerdictWord.VIOLATED and at_threshold(e, newest)]
     runs = frozenset(e.run_id for e in against)
     if violations:
@@ -150,7 +153,7 @@ def _of_campaign(name: str, edges: Sequence[Edge], others: Sequence[Edge]) -> St
         parts = [f"{_listed(lower)} found a value at or below the threshold of {run}"] if lower else []
         parts += [f"{_listed(closer)} {CLOSER} of {run}"] if closer else []
         text = (
-            f"{name}: {' and '.join(parts)}, {_newest(newest)}, on the same question and model"
+            f"{name}: {' and '.join(parts)}, {_newest(newest)}, {_where(against)}"
             f"{'; no verdict confirms it' if lower else ''}.{before}"
         )
         return Standing("inconclusive", text, evidence, runs, frozenset(e.run_id for e in closer))
@@ -196,15 +199,16 @@ def _listed(edges: Sequence[Edge]) -> str:
     return named([e.run_id for e in edges])
 
 
-def _stands(edge: Edge, newest: Edge) -> bool:
-    """Whether a run violates, or found a value that would, with the question and the model of the newest run; also
-    beyond the horizon, where that run is cleared.
+def _stands(edge: Edge, newest: Edge) -> Edge | None:
+    """What a run found within the question and on the model of the newest run, if it violates or has a value that
+    would; also beyond the horizon, where that run is cleared.
 
     A cleared run of the same question on the same model has missed a case that exists.
     """
     if edge.run_id == newest.run_id and newest.verdict is not None:
-        return edge.verdict == VerdictWord.VIOLATED
-    return same_case(edge, newest) and (at_threshold(edge, newest) or comes_closer(edge, newest))
+        return edge if edge.verdict == VerdictWord.VIOLATED else None
+    seen = within(edge, newest)
+    return seen if seen is not None and (at_threshold(seen, newest) or comes_closer(seen, newest)) else None
 
 
 def _violated(name: str, violations: Sequence[Edge], newest: Edge) -> str:
@@ -213,9 +217,13 @@ def _violated(name: str, violations: Sequence[Edge], newest: Edge) -> str:
     if newest.verdict == VerdictWord.VIOLATED:
         return f"{name}: {runs} {verb} it."
     later = run_name(newest.run_id)
+    inside = any(e.inside for e in violations)
     if newest.verdict is None:
-        return f"{name}: {runs} {verb} it, and {later}, which asks the same of the same model, has no verdict."
-    return (
-        f"{name}: {runs} {verb} it. The newer {later} is {newest.verdict}, but asks the same of the same model, in "
-        "which that case exists."
-    )
+        asks = "which has that case within its bounds" if inside else "which asks the same of the same model"
+        return f"{name}: {runs} {verb} it, and {later}, {asks}, has no verdict."
+    asks = "has that case within its bounds" if inside else "asks the same of the same model, in which that case exists"
+    return f"{name}: {runs} {verb} it. The newer {later} is {newest.verdict}, but {asks}."
+
+
+def _where(against: Sequence[Edge]) -> str:
+    return WITHIN if any(e.inside for e in against) else SAME

@@ -1,8 +1,9 @@
 """Which runs speak against another one: they violate, found a value that would, or saw what bars "cleared" beyond
-the horizon, with its question and its model.
+the horizon, within its question and on its model.
 
 A run does so with or without a verdict, as a cancelled one, a variant of a sweep, or one of a campaign with another
-name, seed or budget: the case is there. One rule for requirements, sign-offs, reuse, reports and pages. Read `against`.
+name, seed, budget or other bounds around the case: the case is there. One rule for requirements, sign-offs, reuse,
+reports and pages. Read `against`.
 """
 
 from __future__ import annotations
@@ -10,64 +11,35 @@ from __future__ import annotations
 import math
 from collections import defaultdict
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
-from itertools import chain
+from dataclasses import replace
 from typing import Any
 
 import sqlalchemy as sa
 
 from backend.db.engine import chunks
-from backend.db.rows import at_or_below, made_again_before, own_question, unread
-from backend.db.tables import CampaignRow, Run, Stage
-from backend.runs import identity
-from campaigns.identity.identity import UNSTORED, Identity, may_equal
+from backend.db.questions import alike
+from backend.db.rows import at_or_below, unread
+from backend.db.tables import CampaignRow, Run
+from backend.runs.found import Found, found, in_question, located
+from campaigns.identity.identity import may_equal
 from campaigns.results.verdict import VerdictWord
-from campaigns.runs import RunState, run_name
+from campaigns.runs import run_name
 
 CLOSER = "saw beyond the horizon what bars a cleared verdict"
 """Of runs of which validation saw a flight come closer there, or could not tell."""
+SAME, WITHIN = "on the same question and model", "in a case within these bounds, on the same model"
+"""Where a run found what speaks against another one."""
 MOST_NAMED = 3
 """Runs that a sentence names."""
 LISTED = (Run.removed.is_(None), Run.purged.is_(None))
 """Removed runs speak against none: whoever removed one gave a reason."""
 
 
-@dataclass(frozen=True)
-class Found:
-    """What one run asked and found. question: see `campaigns.checked.question`, empty if it is not stored; threshold
-    and worst: of its criterion, and the lowest value of any evaluation [unit of the criterion]."""
-
-    run_id: int
-    campaign: str
-    question: str
-    verdict: VerdictWord | None
-    identity: Identity
-    threshold: float | None = None
-    worst: float | None = None
-    later: float | None = None
-    """The lowest value beyond the horizon, see `Run.later`."""
-    permits: bool = False
-    """Whether its campaign, which it cleared, intends closest approaches at its end."""
-
-
-def judged(state: str, word: str | None) -> VerdictWord | None:
-    return None if word is None or state != RunState.DONE else VerdictWord(word)
-
-
-def same_case(one: Found, other: Found) -> bool:
-    """Whether both asked the same question of what may be the same model."""
-    return one.question == other.question and may_equal(one.identity, other.identity)
-
-
-def _lowest(one: Found) -> float:
-    return math.inf if one.worst is None else one.worst
-
-
 def at_threshold(one: Found, other: Found) -> bool:
     """Whether a run violates the threshold of another, or found a value that would."""
     if one.verdict == VerdictWord.VIOLATED and not above(one.threshold, other.threshold):
         return True
-    return other.threshold is not None and _lowest(one) <= other.threshold
+    return other.threshold is not None and one.lowest <= other.threshold
 
 
 def comes_closer(other: Found, one: Found) -> bool:
@@ -77,46 +49,17 @@ def comes_closer(other: Found, one: Found) -> bool:
         return False
     if one.permits:
         return one.threshold is not None and other.later <= one.threshold
-    return other.later < _lowest(one)
+    return other.later < one.lowest
 
 
 def above(one: float | None, other: float | None) -> bool:
     return one is not None and other is not None and one > other
 
 
-def found(reader: sa.Connection, *conditions: sa.ColumnElement[bool]) -> list[Found]:
-    """What the runs found that fulfil the conditions; the lowest value is infinite without one."""
-    lowest = sa.select(sa.func.min(Stage.best)).where(Stage.run_id == Run.id, own_question())
-    worst = lowest.scalar_subquery().label("worst")
-    columns = (Run.id, Run.state, Run.verdict, Run.threshold, Run.worst_cost, Run.made_again, Run.later, Run.question)
-    of = sa.select(*columns, CampaignRow.name, worst, *identity.COLUMNS)
-    of = of.join(CampaignRow, CampaignRow.digest == Run.campaign_digest)
-    rows: Sequence[Any] = reader.execute(of.where(*conditions).order_by(Run.id)).all()
-    if not rows:
-        return []
-    before = made_again_before(reader, [row.id for row in rows if row.made_again is None])
-    stated = []
-    for row in rows:
-        values = [v for v in (row.worst_cost, before.get(row.id, row.made_again), row.worst) if v is not None]
-        stated.append(
-            Found(
-                row.id,
-                row.name,
-                row.question or "",
-                judged(row.state, row.verdict),
-                identity.of_row(row) or UNSTORED,
-                row.threshold,
-                min(values, default=math.inf),
-                row.later,
-            )
-        )
-    return stated
-
-
 def violating(reader: sa.Connection, limit: float, *conditions: sa.ColumnElement[bool]) -> list[Found]:
     """The listed runs among these that violate, found a value at or below the limit, or one beyond the horizon."""
     some = found(reader, *conditions, *LISTED, _seen(limit))
-    return [o for o in some if o.verdict == VerdictWord.VIOLATED or o.later is not None or _lowest(o) <= limit]
+    return [o for o in some if o.verdict == VerdictWord.VIOLATED or o.later is not None or o.lowest <= limit]
 
 
 def _seen(limit: float) -> sa.ColumnElement[bool]:
@@ -131,12 +74,13 @@ def _doubted(reader: sa.Connection, run_ids: Collection[int]) -> list[int]:
         with_verdict = (Run.verdict.is_not(None), Run.verdict != VerdictWord.VIOLATED, Run.question.is_not(None))
         own += reader.execute(sa.select(Run.id, Run.question, Run.threshold).where(Run.id.in_(some), *with_verdict))
     limit = max((row.threshold for row in own if row.threshold is not None), default=-math.inf)
-    seen: dict[str | None, set[int]] = defaultdict(set)
-    for questions in chunks({row.question for row in own}):
+    kins = alike(reader, {row.question for row in own})
+    seen: dict[str, set[int]] = defaultdict(set)
+    for questions in chunks(kins):
         of = sa.select(Run.question, Run.id).where(Run.question.in_(questions), *LISTED, _seen(limit))
         for question, run_id in reader.execute(of):
-            seen[question].add(run_id)
-    return [row.id for row in own if seen[row.question] - {row.id}]
+            seen[kins[question or ""]].add(run_id)
+    return [row.id for row in own if seen[kins[row.question]] - {row.id}]
 
 
 def against(reader: sa.Connection, run_ids: Collection[int]) -> dict[int, list[Found]]:
@@ -147,13 +91,17 @@ def against(reader: sa.Connection, run_ids: Collection[int]) -> dict[int, list[F
         own += found(reader, Run.id.in_(some))
     own = [one for one in own if one.verdict not in (None, VerdictWord.VIOLATED)]
     limit = max((one.threshold for one in own if one.threshold is not None), default=-math.inf)
-    others: dict[str, list[Found]] = defaultdict(list)
-    for some_questions in chunks({one.question for one in own}):
-        for other in violating(reader, limit, Run.question.in_(some_questions)):
-            others[other.question].append(other)
-    permit = intending(reader, own, chain.from_iterable(others.values()))
+    every: list[Found] = []
+    for some_questions in chunks(kins := alike(reader, {one.question for one in own})):
+        every += violating(reader, limit, Run.question.in_(some_questions))
+    permit = intending(reader, own, every)
     own = [replace(one, permits=one.run_id in permit) for one in own]
-    return {run_id: speaking for run_id, speaking in _speaking(own, others) if speaking}
+    both = located(reader, [*own, *every])
+    others: dict[str, list[Found]] = defaultdict(list)
+    for other in both[len(own) :]:
+        others[kins[other.question]].append(other)
+    own = both[: len(own)]
+    return {run_id: speaking for run_id, speaking in _speaking(own, others, kins) if speaking}
 
 
 def intending(reader: sa.Connection, own: Iterable[Found], others: Iterable[Found]) -> set[int]:
@@ -167,13 +115,15 @@ def intending(reader: sa.Connection, own: Iterable[Found], others: Iterable[Foun
     return {run_id for some in cleared for run_id in reader.scalars(of.where(Run.id.in_(some)))}
 
 
-def _speaking(own: Iterable[Found], others: Mapping[str, Sequence[Found]]) -> Iterator[tuple[int, list[Found]]]:
+def _speaking(
+    own: Iterable[Found], others: Mapping[str, Sequence[Found]], kins: Mapping[str, str]
+) -> Iterator[tuple[int, list[Found]]]:
     """By run. Most runs of a list share question, threshold and identity, and thus one list, which may be long."""
     shared: dict[tuple[str, float | None, int], tuple[dict[int, Found], list[Found], list[Found]]] = {}
     for one in own:
         key = (one.question, one.threshold, id(one.identity))
         if key not in shared:
-            low, later = _alike(one, others[one.question])
+            low, later = _alike(one, others[kins[one.question]])
             shared[key] = low, [*low.values()], later
         low, speaking, later = shared[key]
         if one.run_id in low:
@@ -184,12 +134,12 @@ def _speaking(own: Iterable[Found], others: Mapping[str, Sequence[Found]]) -> It
 
 
 def _alike(one: Found, others: Iterable[Found]) -> tuple[dict[int, Found], list[Found]]:
-    """Of runs of its question those of what may be its model: that reach its threshold, by run, and others that saw
-    something beyond the horizon."""
+    """Of what other runs found within its question that of what may be its model: of those that reach its threshold,
+    by run, and of others that saw something beyond the horizon."""
     equal: dict[int, bool] = {}
     low: dict[int, Found] = {}
     later: list[Found] = []
-    for other in others:
+    for other in (seen for other in others if (seen := in_question(other, one)) is not None):
         reaches, model = at_threshold(other, one), id(other.identity)
         if not reaches and other.later is None:
             continue
@@ -204,6 +154,14 @@ def _alike(one: Found, others: Iterable[Found]) -> tuple[dict[int, Found], list[
 
 def clause(speaking: Sequence[Found]) -> str:
     """That these speak against a run, for a sentence on it."""
+    same = [one for one in speaking if not one.inside]
+    inside = [one for one in speaking if one.inside]
+    parts = [f"{_clause(same)}, {SAME}"] if same else []
+    parts += [f"{_clause(inside)}, {WITHIN}"] if inside else []
+    return "; ".join(parts)
+
+
+def _clause(speaking: Sequence[Found]) -> str:
     by: dict[str, list[int]] = defaultdict(list)
     for one in speaking:
         by[_way(one)].append(one.run_id)
@@ -212,7 +170,7 @@ def clause(speaking: Sequence[Found]) -> str:
     parts = [f"{named(violated)} {verb} the criterion"] if violated else []
     parts += [f"{named(lower)} found a value at or below the threshold"] if lower else []
     parts += [f"{named(later)} {CLOSER}"] if later else []
-    return f"{' and '.join(parts)}, on the same question and model"
+    return " and ".join(parts)
 
 
 def ways(speaking: Iterable[Found]) -> dict[str, str]:

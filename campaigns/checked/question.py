@@ -1,7 +1,7 @@
-"""The digest of the question that a campaign asks: what it evaluates, within which bounds, by which criterion.
+"""The question that a campaign asks: what it evaluates, within which bounds, by which criterion.
 
 What is written differently and evaluates the same is the same question: a violation must not be lifted by a unit that
-is stated, or by `plus_minus: 20%` in place of the bounds that it means.
+is stated, or by `plus_minus: 20%` in place of the bounds that it means. Nor by wider bounds: see `box`.
 """
 
 from __future__ import annotations
@@ -14,9 +14,10 @@ from campaigns.asked.scenario import Scenario
 from campaigns.asked.spec import Campaign
 from campaigns.asked.values import PlusMinus
 from campaigns.catalogue import Catalogue
+from campaigns.checked.box import Box, Part
 from campaigns.checked.check import parameters, parts, seeded
 from campaigns.checked.simulated import PREFIX
-from campaigns.documents import canonical, digest_of
+from campaigns.documents import JsonObject, canonical, digest_of
 
 _PARTS = ("vehicle", "controller", "avoider", "start", "goal", "obstacles", "environment", "faults")
 _UNASKED = {
@@ -42,16 +43,40 @@ def question(campaign: Campaign, described: Catalogue | None) -> str:
     described: the components at the launch. A value that equals its default is omitted: a component with another
     default, or with one more parameter, is another model and not another question. None: values are as stated.
     """
-    bounds = _bounds(campaign, described)
+    defaults = _defaults(campaign, described)
+    bounds = _bounds(campaign, described, defaults)
+    omitted = {path for path, value in defaults.items() if path in bounds and bounds[path] == (value, value)}
+    omitted -= campaign.uncertain.keys()
     texts: dict[str, list[str]] = {}
+    for prefix, name, fields in _named(campaign):
+        values = {end: bound for end, bound in _below(prefix, bounds).items() if f"{prefix}.{end}" not in omitted}
+        texts.setdefault(name, []).append(canonical({"fields": fields, "values": values}))
+    return digest_of({name: sorted(each) for name, each in texts.items()})
+
+
+def box(campaign: Campaign, described: Catalogue | None) -> Box:
+    """The bounds of all values of the question, defaults included, and the digest of all else that it asks."""
+    bounds = _bounds(campaign, described, _defaults(campaign, described))
+    texts: dict[str, list[str]] = {}
+    parts: dict[str, list[Part]] = {}
+    for prefix, name, fields in _named(campaign):
+        values = _below(prefix, bounds)
+        unknown = {end: bound for end, bound in values.items() if not isinstance(bound, tuple)}
+        what = canonical({"fields": fields, "unknown": unknown})
+        texts.setdefault(name, []).append(what)
+        known = {end: bound for end, bound in values.items() if isinstance(bound, tuple)}
+        parts.setdefault(f"{name} {digest_of({'what': what})}", []).append(Part(prefix, known))
+    return Box(digest_of({name: sorted(each) for name, each in texts.items()}), parts)
+
+
+def _named(campaign: Campaign) -> Iterator[tuple[str, str, JsonObject]]:
+    """Of each part the prefix of the paths of its values, what the question calls it, and what counts of its fields."""
     for prefix, part, left_out in _parts(campaign):
         fields = {} if part is None else part.model_dump(exclude={"parameters", *left_out})
         if isinstance(part, Scenario):
             fields |= _steps(part)
         group = prefix.partition(".")[0]
-        whole = canonical({"fields": fields, "values": _below(prefix, bounds)})
-        texts.setdefault(group if group in _UNORDERED else prefix, []).append(whole)
-    return digest_of({name: sorted(each) for name, each in texts.items()})
+        yield prefix, group if group in _UNORDERED else prefix, fields
 
 
 def _parts(campaign: Campaign) -> Iterator[tuple[str, BaseModel | None, Sequence[str]]]:
@@ -67,18 +92,19 @@ def _parts(campaign: Campaign) -> Iterator[tuple[str, BaseModel | None, Sequence
     yield "criterion", campaign.criterion, _UNASKED["criterion"]
 
 
-def _bounds(campaign: Campaign, described: Catalogue | None) -> dict[str, Bounds]:
-    """The bounds of every value that is stated or uncertain, by path, without fixed ones that equal their default, and
-    without seeds, which select a realisation as `realisations` does."""
+def _defaults(campaign: Campaign, described: Catalogue | None) -> dict[str, float]:
     known = {} if described is None else parameters(campaign, described)
-    defaults = {path: entry.default for path, (entry, _) in known.items() if entry.default is not None}
-    stated = defaults | dict(_stated(campaign))
+    return {path: entry.default for path, (entry, _) in known.items() if entry.default is not None}
+
+
+def _bounds(campaign: Campaign, described: Catalogue | None, defaults: Mapping[str, float]) -> dict[str, Bounds]:
+    """The bounds of every value that is stated, uncertain or a default, by path, without seeds, which select a
+    realisation as `realisations` does."""
+    stated = {**defaults, **dict(_stated(campaign))}
     found: dict[str, Bounds] = {}
     seeds = () if described is None else seeded(campaign, described)
     for path in (stated.keys() | campaign.uncertain.keys()).difference(seeds):
         uncertain, value = campaign.uncertain.get(path), stated.get(path)
-        if uncertain is None and defaults.get(path) == value:
-            continue
         if uncertain is not None and uncertain.plus_minus is not None and value is None:
             found[path] = uncertain.plus_minus
         else:

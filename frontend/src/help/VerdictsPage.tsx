@@ -66,7 +66,7 @@ const TERMS: readonly [string, ReactNode][] = [
   ['Failed evaluation', 'A simulation that leaves the model’s envelope or becomes non-finite. It has no value, is counted, and rules out Cleared.'],
   [
     'Contradicted',
-    'Next to a verdict: another run of the same question and model violates, found a value at or below the threshold, or saw beyond the horizon what bars Cleared. Removed runs do not count.',
+    'Next to a verdict: another run, with the same question and model or with other bounds around the case, violates, found a value at or below the threshold, or saw beyond the horizon what bars Cleared. Removed runs do not count.',
   ],
   ['Excluded evaluation', 'An evaluation whose scenario is invalid, such as one that starts inside the safety radius. It cannot be evaluated.'],
   ['Validation', 'The same case at half the step and with the reference integrator (DOP853), and a few hundred of its neighbours. A lower neighbour replaces the finding. Stored violations and random evaluations are simulated again as well.'],

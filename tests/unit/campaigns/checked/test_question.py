@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import copy
+import json
 from collections.abc import Callable
 from typing import Any
 
@@ -14,8 +15,9 @@ from campaigns.asked.distributions import Uncertain
 from campaigns.asked.load import load_document, load_text
 from campaigns.asked.spec import Criterion, Scenario, Simulator
 from campaigns.asked.text import to_yaml
+from campaigns.checked.box import Box
 from campaigns.checked.check import check
-from campaigns.checked.question import question
+from campaigns.checked.question import box, question
 from tests.given.small_catalogue import CATALOGUE, component, parameter
 from tests.given.small_catalogue import campaign as scenario_campaign
 
@@ -145,6 +147,88 @@ def test_what_evaluates_the_same_is_the_same_question(base: Any, changes: list[C
 def test_what_evaluates_something_else_is_another_question() -> None:
     found = [asked(base) for base in (LOOP, CALLED)] + [asked(base, *changes) for base, changes in OTHER]
     assert len(set(found)) == len(found)
+
+
+def bounds(base: Any, *changes: Callable[[Any], None], described: Catalogue | None = HERE) -> Box:
+    document = copy.deepcopy(base)
+    for change in changes:
+        change(document)
+    campaign = load_document(document)
+    assert check(campaign, HERE) == []
+    found = box(campaign, described)
+    assert Box.of(found.kin, json.loads(json.dumps(found.document()))).inside(found)
+    return found
+
+
+@pytest.mark.parametrize(("base", "changes"), SAME)
+def test_the_same_question_has_the_same_cases(base: Any, changes: list[Callable[[Any], None]]) -> None:
+    one, other = bounds(base), bounds(base, *changes)
+    assert one.inside(other)
+    assert other.inside(one)
+
+
+def test_questions_with_the_same_cases_differ_at_most_by_a_rounding() -> None:
+    every = [bounds(LOOP), bounds(CALLED), *(bounds(base, *changes) for base, changes in OTHER[1:])]
+    for i, one in enumerate(every):
+        assert [k for k, other in enumerate(every) if one.inside(other) and other.inside(one)] == [i]
+    base, changes = OTHER[0]
+    assert bounds(base, *changes).inside(bounds(base))
+
+
+INSIDE: list[tuple[Any, list[Callable[[Any], None]]]] = [
+    (LOOP, [put(f"{MASS}", {"low": 4.5, "high": 5.0})]),
+    (LOOP, [put(MASS, None)]),  # fixed at its nominal value
+    (LOOP, [put(MASS, None), put("scenario/vehicle/parameters/m", None)]),  # at its default
+    (LOOP, [put(MASS, None), put("scenario/vehicle/parameters/m", 6.0)]),  # at a corner
+    (LOOP, [put(MASS, None), put("uncertain/vehicle.J/high", 0.05), put("criterion/threshold", 0.7)]),
+    (LOOP, [put("uncertain/obstacles.0.radius/low", 0.5), swapped]),
+    (CALLED, [put("uncertain/simulator.drag/low", -0.5)]),
+    (CALLED, [put("uncertain/simulator.mass", None)]),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("base", "changes"), INSIDE)
+def test_all_cases_of_narrower_bounds_are_cases_of_wider_ones(base: Any, changes: list[Callable[[Any], None]]) -> None:
+    assert bounds(base, *changes).inside(bounds(base))
+    assert not bounds(base).inside(bounds(base, *changes))
+
+
+def test_a_case_is_inside_the_bounds_that_contain_it_wherever_its_obstacle_is_listed() -> None:
+    wide = bounds(LOOP, put(MASS, {"low": 1.0, "high": 9.0}), put("uncertain/obstacles.0.radius/low", 0.1))
+    for mass, radius, inside in ((4.0, 0.4, True), (6.0, 0.6, True), (6.1, 0.5, False), (5.0, 0.39, False)):
+        case = wide.at({"vehicle.m": mass, "obstacles.0.radius": radius, "vehicle.J": 0.05})
+        assert case.inside(bounds(LOOP)) is inside
+        assert case.inside(bounds(LOOP, swapped)) is inside
+        assert case.inside(wide)
+    assert not wide.at({"vehicle.m": 5.0}).inside(bounds(LOOP, put("uncertain/vehicle.J/high", 0.05)))
+
+
+def test_of_parts_that_are_alike_each_is_inside_another_one() -> None:
+    """Also where one fits into several, and must leave one of these to a part that fits into no other."""
+
+    def radii(*each: tuple[float, float]) -> Box:
+        circles = [
+            {"component": "circle", "parameters": {"position.x": 4, "position.y": 4, "radius": r}} for r, _ in each
+        ]
+        varied = {f"obstacles.{i}.radius": {"low": low, "high": high} for i, (low, high) in enumerate(each)}
+        return bounds(LOOP, put("scenario/obstacles", circles), put("uncertain", varied))
+
+    wide = radii((0.1, 0.9), (0.1, 0.5), (0.4, 0.6))
+    assert radii((0.2, 0.3), (0.45, 0.5), (0.45, 0.5)).inside(wide)
+    assert radii((0.45, 0.5), (0.45, 0.5), (0.2, 0.3)).inside(wide)
+    assert radii((0.2, 0.3), (0.7, 0.8), (0.55, 0.6)).inside(wide)
+    assert not radii((0.7, 0.8), (0.7, 0.8), (0.45, 0.5)).inside(wide)
+    assert not radii((0.2, 0.3), (0.2, 0.3)).inside(wide)
+
+
+def test_bounds_around_a_value_that_is_not_known_contain_only_themselves() -> None:
+    mass = "uncertain/simulator.mass"
+    one = bounds(CALLED, described=None)
+    assert one.inside(bounds(CALLED, put(mass, {"plus_minus": "10.0%"}), described=None))
+    assert bounds(CALLED, put("uncertain/simulator.drag/low", -0.5), described=None).inside(one)
+    for other in (put(mass, {"plus_minus": "20%"}), put(mass, None)):
+        assert not one.inside(bounds(CALLED, other, described=None))
+        assert not bounds(CALLED, other, described=None).inside(one)
 
 
 def test_without_descriptions_a_question_is_as_far_the_same_as_what_is_stated_shows() -> None:

@@ -1,0 +1,82 @@
+"""The box of a question: the bounds of all values, and whether all cases of one box are cases of another one.
+
+A violation exists in every question that asks the same within bounds around it. Read `Box.inside`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+from campaigns.documents import JsonObject
+
+SAME = 1e-9
+"""Relative difference of two values that one may have from a conversion of units."""
+
+
+@dataclass(frozen=True)
+class Part:
+    """The lowest and the highest value of every parameter of a part, by name; equal for a fixed one."""
+
+    prefix: str
+    """Of the paths of its parameters."""
+    bounds: Mapping[str, Sequence[float]]
+
+    def at(self, parameters: Mapping[str, float]) -> Part:
+        values = {name: parameters.get(f"{self.prefix}.{name}") for name in self.bounds}
+        fixed = {name: (value, value) for name, value in values.items() if value is not None}
+        return Part(self.prefix, {**self.bounds, **fixed})
+
+    def inside(self, other: Part) -> bool:
+        if self.bounds.keys() != other.bounds.keys():
+            return False
+        return all(_inside(bound, other.bounds[name]) for name, bound in self.bounds.items())
+
+
+@dataclass(frozen=True)
+class Box:
+    kin: str
+    """Digest of what is asked apart from values: boxes of another one have no case in common."""
+    parts: Mapping[str, Sequence[Part]]
+    """By what they are apart from values. Several that are the same are in any order."""
+
+    def at(self, parameters: Mapping[str, float]) -> Box:
+        """The box of one case, from its uncertain parameters by path."""
+        return Box(self.kin, {what: [part.at(parameters) for part in parts] for what, parts in self.parts.items()})
+
+    def inside(self, other: Box) -> bool:
+        """Whether all cases of this box are cases of the other one."""
+        if self.kin != other.kin:
+            return False
+        return all(_matched(parts, other.parts[what]) for what, parts in self.parts.items())
+
+    def document(self) -> JsonObject:
+        """Its parts as plain JSON values."""
+        return {what: [[part.prefix, dict(part.bounds)] for part in parts] for what, parts in self.parts.items()}
+
+    @staticmethod
+    def of(kin: str, document: JsonObject) -> Box:
+        """The box whose parts have this document."""
+        return Box(kin, {what: [Part(*part) for part in parts] for what, parts in document.items()})
+
+
+def _inside(bound: Sequence[float], other: Sequence[float]) -> bool:
+    slack = SAME * max(map(abs, other))
+    return other[0] - slack <= bound[0] and bound[1] <= other[1] + slack
+
+
+def _matched(parts: Sequence[Part], others: Sequence[Part]) -> bool:
+    """Whether each part is inside another one of its own: a perfect matching, by augmenting paths."""
+    fits = [[k for k, other in enumerate(others) if part.inside(other)] for part in parts]
+    taken: dict[int, int] = {}
+
+    def place(i: int, tried: set[int]) -> bool:
+        for k in fits[i]:
+            if k not in tried:
+                tried.add(k)
+                if k not in taken or place(taken[k], tried):
+                    taken[k] = i
+                    return True
+        return False
+
+    return all(place(i, set()) for i in range(len(parts)))

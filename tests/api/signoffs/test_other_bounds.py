@@ -1,0 +1,148 @@
+"""A violation that another run found within other bounds is stated of every run that has its case within its own."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import httpx
+import pytest
+import sqlalchemy as sa
+
+from backend.db.engine import migrate, read
+from backend.db.questions import alike, boxes
+from backend.db.tables import Question, Run
+from campaigns.results import Finding
+from tests.given.databases import BOTH, as_of
+from tests.given.reported_runs import finish_fully
+from tests.given.service import Service
+from tests.given.signed_places import API, PLACES, by_command, ran, sign
+from tests.given.small_catalogue import campaign
+from tests.given.submissions import submit
+from tests.given.verdict_evidence import finding
+
+INSIDE = "in a case within these bounds, on the same model"
+VIOLATES, FOUND = "R-0001 violates the criterion", "R-0001 found a value at or below the threshold"
+BEYOND = "R-0001 saw beyond the horizon what bars a cleared verdict"
+CANCELLED: dict[str, Any] = {"state": "cancelled", "verdict": None, "worst_cost": 0.4}
+NARROW = {"vehicle.m": {"low": 4.5, "high": 6.0}, "vehicle.J": {"low": 0.05, "high": 0.06}}
+CORNER = {"vehicle.J": {"low": 0.05, "high": 0.06}}
+"""The mass is 6 kg."""
+WIDE = {"vehicle.m": {"low": 1.0, "high": 9.0}, "vehicle.J": {"low": 0.05, "high": 0.07}}
+HEAVY = {"component": "unicycle", "parameters": {"m": 6.0}}
+FAR = {"vehicle.m": {"low": 6.5, "high": 9.0}, "vehicle.J": {"low": 0.04, "high": 0.06}}
+
+
+def case(mass: float, inertia: float, cost: float = 0.4, confirmed: bool = True) -> Finding:
+    return finding(cost, confirmed, parameters={"vehicle.m": mass, "vehicle.J": inertia}, point=[0.5, 0.5])
+
+
+@dataclass(frozen=True)
+class Other:
+    """The other run: its bounds, its vehicle, its worst cases, changes of its row."""
+
+    uncertain: dict[str, Any]
+    stated: str
+    cases: Sequence[Finding] = (case(5.0, 0.05),)
+    changes: dict[str, Any] = field(default_factory=lambda: {"verdict": "violated"})
+    vehicle: dict[str, Any] | None = None
+
+
+CASES = {
+    "narrower": Other(NARROW, VIOLATES),
+    "narrower, cancelled": Other(NARROW, FOUND, (), CANCELLED),
+    "narrower, beyond the horizon": Other(NARROW, BEYOND, (), {"verdict": "inconclusive", "later": 0.9}),
+    "a corner": Other(CORNER, VIOLATES, vehicle=HEAVY),
+    "wider, in a case within these bounds": Other(WIDE, VIOLATES),
+    "wider, in a case at these bounds": Other(WIDE, VIOLATES, (case(8.0, 0.05), case(6.0, 0.06))),
+    "wider, in a case that was not confirmed": Other(
+        WIDE, FOUND, (case(8.0, 0.05), case(5.0, 0.05, confirmed=False)), {"verdict": "inconclusive"}
+    ),
+    "wider, in a case above its threshold and below this one": Other(
+        WIDE, FOUND, (case(5.0, 0.05, 0.45),), {"verdict": "cleared", "threshold": 0.3, "worst_cost": 0.45}
+    ),
+    "wider, elsewhere": Other(WIDE, "", (case(6.1, 0.05), case(5.0, 0.061), case(5.0, 0.05, 1.0))),
+    "elsewhere": Other(FAR, "", (case(7.0, 0.05),), vehicle=HEAVY | {"parameters": {"m": 7.0}}),
+    "of another model": Other(NARROW, "", changes={"verdict": "violated", "flown": {"code": "b", "model": "b"}}),
+    "above the threshold": Other(NARROW, "", (case(5.0, 0.05, 0.6),), CANCELLED | {"worst_cost": 0.6}),
+    "removed": Other(NARROW, "", changes={"verdict": "violated", "removed": 1.0}),
+}
+
+
+def found_by(service: Service, client: httpx.Client, other: Other) -> None:
+    scenario = campaign()["scenario"] | ({} if other.vehicle is None else {"vehicle": other.vehicle})
+    submit(client, name="renamed", uncertain=other.uncertain, scenario=scenario)
+    finish_fully(service, found=[one.model_copy(update={"label": f"F{i}"}) for i, one in enumerate(other.cases, 1)])
+    with service.engine.begin() as writer:
+        writer.execute(sa.update(Run).where(Run.id == 1).values(worst_cost=None, made_again=None))
+        writer.execute(sa.update(Run).where(Run.id == 1).values(**other.changes))
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_what_another_run_found_within_other_bounds_is_stated_in_every_place(
+    service: Service, client: httpx.Client, capsys: pytest.CaptureFixture[str], name: str
+) -> None:
+    other = CASES[name]
+    found_by(service, client, other)
+    run = ran(service, client)
+    stated = f"{other.stated}, {INSIDE}" if other.stated else ""
+    assert client.get(f"{API}/runs/{run}").json()["against"] == (f"{stated}." if stated else "")
+    sign_off = sign(client, run) if not stated else None
+    assert sign_off is None or sign_off["standing"] == "standing"
+    (row,) = client.get(f"{API}/requirements").json()["items"]
+    if not stated:
+        assert row["status"] == "met"
+        removed = "removed" in other.changes
+        assert ("R-0001" in row["sentence"]) is removed
+        return
+    assert row["status"] == ("violated" if other.stated == VIOLATES else "inconclusive")
+    assert "R-0001" in row["sentence"]
+    assert "within" in row["sentence"]
+    seen = client.get(f"{API}/runs/{run}/signoffs").json()
+    body = {"name": "Ada", "role": "Review", "comment": "x", "digest": seen["digest"], "against": seen["against"]}
+    assert client.post(f"{API}/runs/{run}/signoffs", json=body).status_code == 201
+    places = {place: shown(client, run) for place, shown in PLACES.items()} | {"show": by_command(service, run, capsys)}
+    assert {place for place, text in places.items() if stated not in text} == set()
+    (listed,) = [one for one in client.get(f"{API}/runs").json()["items"] if one["id"] == run]
+    assert listed["against"] == f"{stated}."
+
+
+def test_a_sentence_tells_which_run_has_the_same_bounds(service: Service, client: httpx.Client) -> None:
+    found_by(service, client, CASES["narrower"])
+    submit(client, seed=9)
+    finish_fully(service, "violated")
+    run = ran(service, client)
+    same = "R-0002 violates the criterion, on the same question and model"
+    assert client.get(f"{API}/runs/{run}").json()["against"] == f"{same}; {VIOLATES}, {INSIDE}."
+
+
+def test_a_wider_run_does_not_speak_of_what_a_narrower_one_did_not_ask(service: Service, client: httpx.Client) -> None:
+    """The sweep over a value speaks against the campaign that varies it, and not the reverse."""
+    run = ran(service, client)
+    submit(client, uncertain=NARROW)
+    finish_fully(service)
+    with service.engine.begin() as writer:
+        writer.execute(sa.update(Run).where(Run.id == 1).values(verdict="violated"))
+    assert client.get(f"{API}/runs/R-0002").json()["against"] == ""
+    with service.engine.begin() as writer:
+        writer.execute(sa.update(Run).where(Run.id == 1).values(verdict="cleared"))
+        writer.execute(sa.update(Run).where(Run.id == 2).values(verdict="violated"))
+    assert client.get(f"{API}/runs/{run}").json()["against"].startswith("R-0002 violates")
+
+
+@BOTH
+def test_bounds_of_stored_runs_are_kept_by_the_migration(service: Service, client: httpx.Client) -> None:
+    found_by(service, client, CASES["narrower"])
+    run = ran(service, client)
+    rows = sa.select(Question.__table__).order_by(Question.digest)
+    with service.engine.begin() as writer:
+        before = writer.execute(rows).all()
+        as_of(writer, "0034")
+    migrate(service.engine.url.render_as_string(hide_password=False))
+    with read(service.engine) as reader:
+        assert reader.execute(rows).all() == before
+        one, other = reader.scalars(sa.select(Run.question).order_by(Run.id)).all()
+        assert set(alike(reader, [str(one)])) == {one, other}
+        assert boxes(reader, [str(one), str(other)])[str(one)].kin == boxes(reader, [str(other)])[str(other)].kin
+    assert client.get(f"{API}/runs/{run}").json()["against"] == f"{VIOLATES}, {INSIDE}."

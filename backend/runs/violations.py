@@ -66,42 +66,44 @@ def _seen(limit: float) -> sa.ColumnElement[bool]:
     return sa.or_(Run.verdict == VerdictWord.VIOLATED, at_or_below(limit), unread(), Run.later.is_not(None))
 
 
-def _doubted(reader: sa.Connection, run_ids: Collection[int]) -> list[int]:
-    """Of these the runs with a verdict that another run of their question may speak against. Most lists have none, and
-    then nothing else is read."""
-    own: list[Any] = []
-    for some in chunks(run_ids):
-        with_verdict = (Run.verdict.is_not(None), Run.verdict != VerdictWord.VIOLATED, Run.question.is_not(None))
-        own += reader.execute(sa.select(Run.id, Run.question, Run.threshold).where(Run.id.in_(some), *with_verdict))
-    limit = max((row.threshold for row in own if row.threshold is not None), default=-math.inf)
-    kins = alike(reader, {row.question for row in own})
-    seen: dict[str, set[int]] = defaultdict(set)
-    for questions in chunks(kins):
-        of = sa.select(Run.question, Run.id).where(Run.question.in_(questions), *LISTED, _seen(limit))
-        for question, run_id in reader.execute(of):
-            seen[kins[question or ""]].add(run_id)
-    return [row.id for row in own if seen[kins[row.question]] - {row.id}]
-
-
 def against(reader: sa.Connection, run_ids: Collection[int]) -> dict[int, list[Found]]:
     """The listed other runs that speak against the verdict of each, by run; none against one that violates. `later` is
     only of those that speak against it by nothing else."""
-    own: list[Found] = []
-    for some in chunks(_doubted(reader, run_ids)):
-        own += found(reader, Run.id.in_(some))
-    own = [one for one in own if one.verdict not in (None, VerdictWord.VIOLATED)]
-    limit = max((one.threshold for one in own if one.threshold is not None), default=-math.inf)
-    every: list[Found] = []
-    for some_questions in chunks(kins := alike(reader, {one.question for one in own})):
-        every += violating(reader, limit, Run.question.in_(some_questions))
+    asking = _with_verdict(reader, run_ids)
+    kins = alike(reader, {row.question for row in asking})
+    limit = max((row.threshold for row in asking if row.threshold is not None), default=-math.inf)
+    seen = _seen_within(reader, kins, limit)  # of most lists none, and then nothing else is read
+    doubted = [row.id for row in asking if seen[kins[row.question]] - {row.id}]
+    own = [one for one in _found(reader, doubted) if one.verdict not in (None, VerdictWord.VIOLATED)]
+    every = _found(reader, {run_id for kin in {kins[one.question] for one in own} for run_id in seen[kin]})
     permit = intending(reader, own, every)
     own = [replace(one, permits=one.run_id in permit) for one in own]
     both = located(reader, [*own, *every])
     others: dict[str, list[Found]] = defaultdict(list)
     for other in both[len(own) :]:
         others[kins[other.question]].append(other)
-    own = both[: len(own)]
-    return {run_id: speaking for run_id, speaking in _speaking(own, others, kins) if speaking}
+    return {run_id: speaking for run_id, speaking in _speaking(both[: len(own)], others, kins) if speaking}
+
+
+def _with_verdict(reader: sa.Connection, run_ids: Collection[int]) -> list[Any]:
+    """Number, question and threshold of those of these that have a verdict which another run may speak against."""
+    may = (Run.verdict.is_not(None), Run.verdict != VerdictWord.VIOLATED, Run.question.is_not(None))
+    of = sa.select(Run.id, Run.question, Run.threshold).where(*may)
+    return [row for some in chunks(run_ids) for row in reader.execute(of.where(Run.id.in_(some)))]
+
+
+def _seen_within(reader: sa.Connection, kins: Mapping[str, str], limit: float) -> dict[str, set[int]]:
+    """The listed runs that may speak against one with this threshold, by what their questions have in common."""
+    seen: dict[str, set[int]] = defaultdict(set)
+    for some in chunks(kins):
+        of = sa.select(Run.question, Run.id).where(Run.question.in_(some), *LISTED, _seen(limit))
+        for question, run_id in reader.execute(of):
+            seen[kins[question or ""]].add(run_id)
+    return seen
+
+
+def _found(reader: sa.Connection, run_ids: Collection[int]) -> list[Found]:
+    return [one for some in chunks(run_ids) for one in found(reader, Run.id.in_(some))]
 
 
 def intending(reader: sa.Connection, own: Iterable[Found], others: Iterable[Found]) -> set[int]:

@@ -26,7 +26,7 @@ from backend.requirements.standing import EARLIER, Edge, How, how, newest_of
 from backend.runs.found import Found, in_question
 from backend.runs.found import found as found_by
 from backend.runs.found import located as located_among
-from backend.runs.violations import named, violating
+from backend.runs.violations import CLOSER, intending, named, violating
 from campaigns.alike import plain
 
 
@@ -46,6 +46,11 @@ def against(reader: sa.Connection, edges: Mapping[str, Sequence[Edge]]) -> list[
     for some in chunks({e.campaign for e in every if not e.question}):
         others += _edges(violating(reader, limit, Run.question.is_(None), CampaignRow.name.in_(some)))
     return others
+
+
+def of_runs(reader: sa.Connection, runs: Collection[int]) -> list[Edge]:
+    """What these runs found, as edges."""
+    return _edges(chain.from_iterable(found_by(reader, Run.id.in_(some)) for some in chunks(runs)))
 
 
 def _edges(some: Iterable[Found]) -> list[Edge]:
@@ -88,7 +93,9 @@ def ignored(reader: sa.Connection, ids: Sequence[str], edges: Mapping[str, Seque
         if row.gone and not row.swept:
             stating[row.requirement].add(row.id)
     speaking = _speaking(reader, ids, gone)
-    removed = _removed(reader, {*chain(*speaking.values(), *(stating[key] for key in speaking))})
+    removed = of_runs(reader, {*chain(*speaking.values(), *(stating[key] for key in speaking))})
+    permit = intending(reader, chain.from_iterable(edges.values()), removed)
+    edges = {key: [replace(e, permits=e.run_id in permit) for e in some] for key, some in edges.items()}
     edges, rest = located(reader, edges, removed)
     by = {edge.run_id: edge for edge in rest}
     for key, runs in speaking.items():
@@ -99,11 +106,12 @@ def ignored(reader: sa.Connection, ids: Sequence[str], edges: Mapping[str, Seque
 
 
 def _speaking(reader: sa.Connection, ids: Sequence[str], gone: sa.ColumnElement[bool]) -> dict[str, set[int]]:
-    """The removed runs by requirement that found a violation, and state it or ask what a run that states it asks."""
+    """The removed runs by requirement that may speak against it, and state it or ask what a run that states it asks."""
+    may = sa.or_(violates(), Run.later.is_not(None))
     states = sa.select(RunRequirement.requirement, Run.id).join(Run, Run.id == RunRequirement.run_id)
     states = states.where(RunRequirement.requirement.in_(ids))
     found: dict[str, set[int]] = defaultdict(set)
-    for key, run_id in reader.execute(states.where(gone, violates())):
+    for key, run_id in reader.execute(states.where(gone, may)):
         found[key].add(run_id)
     asking = states.with_only_columns(RunRequirement.requirement, Run.question).distinct()
     stated = [(key, question) for key, question in reader.execute(asking) if question]  # without one it equals none
@@ -112,15 +120,11 @@ def _speaking(reader: sa.Connection, ids: Sequence[str], gone: sa.ColumnElement[
     for key, question in stated:
         keys[kins[question]].add(key)
     for alike_ones in chunks(kins):
-        of = sa.select(Run.question, Run.id).where(Run.question.in_(alike_ones), gone, violates())
+        of = sa.select(Run.question, Run.id).where(Run.question.in_(alike_ones), gone, may)
         for asks, run_id in reader.execute(of):
             for key in keys[kins[asks or ""]]:
                 found[key].add(run_id)
     return found
-
-
-def _removed(reader: sa.Connection, runs: Collection[int]) -> list[Edge]:
-    return _edges(chain.from_iterable(found_by(reader, Run.id.in_(some)) for some in chunks(runs)))
 
 
 def _spoke(removed: Sequence[Edge], stating: Sequence[Edge], edges: Sequence[Edge]) -> dict[How, list[int]]:
@@ -178,6 +182,7 @@ def similar(reader: sa.Connection, ids: Sequence[str], every: sa.CompoundSelect[
 REMOVED: dict[How, str] = {
     "violated": "of those that asked the same, {} violated it",
     "found": "of those that asked the same, {} found a value at or below the newest threshold",
+    "closer": f"of those that asked the same, {{}} {CLOSER}",
     **EARLIER,
     "higher": "at a higher threshold, {} violated it",
     "found higher": "at a higher threshold, {} found a value at or below it",

@@ -149,9 +149,10 @@ def _read(cursor: str) -> str:
 
 
 def _edges(reader: sa.Connection, ids: Sequence[str]) -> dict[str, list[Edge]]:
-    """The runs of each requirement that count, the newest first; identities only where a violation may rest on them."""
+    """The runs of each requirement that count, the newest first; what they found only where a violation may rest on
+    it."""
     columns = (RunRequirement.requirement, RunRequirement.run_id, Run.question, Run.state, Run.verdict)
-    of = sa.select(*columns, CampaignRow.name, Run.threshold, Run.worst_cost, Run.made_again)
+    of = sa.select(*columns, CampaignRow.name, Run.threshold)
     of = of.join(Run, Run.id == RunRequirement.run_id)
     of = of.join(CampaignRow, CampaignRow.digest == Run.campaign_digest)
     of = of.where(RunRequirement.requirement.in_(ids), *present.counted()).order_by(RunRequirement.run_id.desc())
@@ -159,21 +160,17 @@ def _edges(reader: sa.Connection, ids: Sequence[str]) -> dict[str, list[Edge]]:
     compared: set[int] = set()
     first: dict[tuple[str, str], int] = {}
     newest: set[tuple[str, str]] = set()
-    for key, run_id, question, state, word, name, threshold, worst, again in reader.execute(of):
+    for key, run_id, question, state, word, name, threshold in reader.execute(of):
         verdict = judged(state, word)
-        values = [v for v in (worst, again) if v is not None] if verdict == VerdictWord.CLEARED else []
-        lowest = min(values, default=None)
-        found[key].append(Edge(run_id, name, question or "", verdict, UNSTORED, threshold, lowest))
+        found[key].append(Edge(run_id, name, question or "", verdict, UNSTORED, threshold))
         first.setdefault((key, name), run_id)
         if verdict == VerdictWord.VIOLATED or (verdict is not None and (key, name) not in newest):
             compared.add(run_id)
         if verdict is not None:
             newest.add((key, name))
-    known = identity.of_runs(reader, compared | {run_id for of, run_id in first.items() if of not in newest})
-    return {
-        key: [replace(e, identity=known[e.run_id]) if e.run_id in known else e for e in edges]
-        for key, edges in found.items()
-    }
+    compared |= {run_id for of, run_id in first.items() if of not in newest}
+    known = {edge.run_id: edge for edge in against.of_runs(reader, compared)}
+    return {key: [known.get(e.run_id, e) for e in edges] for key, edges in found.items()}
 
 
 def _shown(now: Standing, edges: Sequence[Edge], most: int) -> list[int]:

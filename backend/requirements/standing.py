@@ -22,7 +22,7 @@ Status = Literal["violated", "inconclusive", "not sampled", "no verdict", "suspe
 ORDER: tuple[Status, ...] = get_args(Status)
 """The worst first."""
 
-How = Literal["violated", "found", "lowered", "higher", "found higher", "before", "other"]
+How = Literal["violated", "found", "closer", "lowered", "higher", "found higher", "before", "other"]
 """How a run speaks against newer or older evidence, see `how`."""
 
 LOWERED = "at a higher threshold, which was lowered since, {} violated it"
@@ -119,9 +119,9 @@ def newest_of(edges: Sequence[Edge]) -> Edge:
 def how(edge: Edge, newest: Edge) -> How | None:
     """How a run speaks against the newest evidence, whether it counts or is removed; None if it does not.
 
-    `violated` and `found` are within the question, of the model and of the threshold of that evidence; `lowered`,
-    `higher` and `found higher` met a higher threshold only; `before` and `other` violated another question, or on
-    another model.
+    `violated`, `found` and, beyond the horizon, `closer` are within the question, of the model and of the threshold of
+    that evidence; `lowered`, `higher` and `found higher` met a higher threshold only; `before` and `other` violated
+    another question, or on another model.
     """
     earlier, seen = edge.run_id < newest.run_id, within(edge, newest)
     if seen is None:
@@ -131,6 +131,8 @@ def how(edge: Edge, newest: Edge) -> How | None:
         return "violated" if violated else "found"
     if violated:
         return "lowered" if earlier else "higher"
+    if comes_closer(edge, newest):
+        return "closer"
     known = edge.worst is not None and edge.threshold is not None and above(edge.threshold, newest.threshold)
     return "found higher" if known and not above(edge.worst, edge.threshold) else None
 

@@ -37,6 +37,12 @@ CASES: list[tuple[Mapping[str, Any], str | None, str | None]] = [
     ({**CANCELLED, "threshold": 3.5, "worst_cost": 2.6}, None, "a higher threshold, R-0001 found a value at or below"),
     ({"threshold": 0.3, "worst_cost": 0.4}, "R-0001 found a value", "R-0001 found a value at or below the"),
     ({"threshold": 0.3, "worst_cost": 0.9}, None, None),
+    (
+        {"verdict": "inconclusive", "later": 0.9},
+        "R-0001 saw beyond the horizon",
+        "asked the same, R-0001 saw beyond the horizon",
+    ),
+    ({"verdict": "inconclusive", "later": 2.0}, None, None),
 ]
 """Changes of the older run, and what is stated while it counts and once it is removed. The newer one has 0.5."""
 

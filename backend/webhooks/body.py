@@ -26,7 +26,7 @@ def ended(reader: sa.Connection, run_id: int, public_url: str) -> str:
     owner, token = reader.execute(sa.select(Run.owner, Run.token).where(Run.id == run_id)).one()
     values |= {"owner": owner, "token": token}
     data = {"run": run.id, **values, "campaign": campaign, "address": address, "verdict_changed": changed}
-    data["before"] = None if before is None else {"run": before.id, "verdict": before.verdict, "code": before.code}
+    data["before"] = before and {"run": before.id, **{name: getattr(before, name) for name in _BEFORE}}
     return _written(ENDED, run.finished, data)
 
 
@@ -52,6 +52,8 @@ _REPORTED = (
     "unit", "threshold", "worst_cost", "margin", "upper_bound", "bound_source", "excluded_samples", "excluded_fraction",
     "confidence", "code", "created", "finished",
 )  # fmt: skip
+
+_BEFORE = ("verdict", "against", "code")
 
 
 def _written(kind: str, at: float | None, data: dict[str, Any]) -> str:

@@ -86,7 +86,7 @@ def _criterion(suite: Xml.Element, ended: EndedRun, verdict: Verdict) -> None:
     elif violated:
         kind = "violation" if verdict.verdict == "violated" else "unconfirmed"
         _ended(case, "failure", _violating(ended, verdict), *text, kind=kind)
-    elif ended.contradicted:
+    elif ended.against:
         _ended(case, "failure", ended.against, *text, kind=ended.headline)
     elif verdict.verdict == "cleared":
         _passed(case, ended, verdict)

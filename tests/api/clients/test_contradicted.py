@@ -21,6 +21,7 @@ from tests.faults.processes import REPOSITORY
 from tests.given.databases import BOTH
 from tests.given.reported_runs import finish_fully
 from tests.given.requirement_rows import AT, ran, row
+from tests.given.row_changes import changed
 from tests.given.service import Service
 from tests.given.small_catalogue import campaign
 
@@ -40,7 +41,7 @@ def violated(service: Service) -> None:
 def stated(service: Service, client: httpx.Client) -> dict[str, object]:
     """What each place states of the two cleared runs."""
     with service.engine.connect() as reader:
-        message = json.loads(ended(reader, 1, ""))["data"]
+        message, following = (json.loads(ended(reader, run_id, ""))["data"] for run_id in (1, 2))
     listed = {one["id"]: one for one in client.get(f"{API}/runs").json()["items"]}
     trends = client.get(f"{API}/trends", params={"name": listed["R-0001"]["campaign_name"]}).json()
     reports = client.get(f"{API}/reports").json()["items"]
@@ -53,6 +54,7 @@ def stated(service: Service, client: httpx.Client) -> dict[str, object]:
         **{f"related {one['id']}": one["against"] for one in related if one["id"] in TWO},
         **{f"row {one['id']}": one["against"] for one in row(client, "REQ-1")["runs"] if one["id"] in TWO},
         "webhook": message["against"],
+        "webhook on the next run": following["before"]["against"],
         "export": client.get(f"{API}/runs/R-0001/exports/run.json").json()["run"]["against"],
     }
 
@@ -108,6 +110,14 @@ def test_a_job_does_not_succeed_by_such_a_run(
     assert (first["ruleId"], first["level"], first["message"]["text"]) == ("contradicted", "warning", SENTENCE)
     assert log["invocations"][0]["exitCode"] == CODES["inconclusive"]
     assert log["properties"]["headline"] == f"cleared{MARK}"
+    with changed(service.engine, sa.update(Run).where(Run.id == 1).values(verdict="inconclusive")):
+        assert command("follow", "R-0001", "--junit", files["junit"]) == CODES["inconclusive"]
+    cases = {
+        case.get("name"): case.find("failure") for case in Xml.fromstring(files["junit"].read_text()).iter("testcase")
+    }
+    failing = {name: case.get("message") for name, case in cases.items() if case is not None}
+    failing.pop("check: X")
+    assert failing == dict.fromkeys(("verdict", "criterion: d_min", "requirement: REQ-1"), SENTENCE)
     opening = files["summary"].read_text().partition("\n")[0]
     assert opening.startswith("## ❔ ")
     assert opening.endswith(f": exit code 2: cleared, but {SENTENCE.rstrip('.')}")

@@ -45,9 +45,10 @@ function useCause(runs: Compared[]): Cause | null {
   return two ? { question: otherQuestion(differences(runs)), code: data } : null
 }
 
-/** Whether the second run is of something else than the first, so that a verdict can have changed. */
+/** Whether the second run is of something else than the first, so that a verdict can have changed. Of two of which one
+ * speaks against the other, the other missed a case. */
 const isChange = (a: Compared, b: Compared, { question, code }: Cause): boolean =>
-  isDone(a) && isDone(b) &&
+  isDone(a) && isDone(b) && !a.run.against_runs?.includes(b.id) && !b.run.against_runs?.includes(a.id) &&
   ((question.length > 0 && code?.same_question !== true) || code?.same_model === false || a.run.threshold !== b.run.threshold)
 
 function titleOf(runs: Compared[], changed: boolean): string {

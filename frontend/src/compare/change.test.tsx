@@ -79,6 +79,14 @@ it('states no change of the verdict where the service finds the same question', 
   expect(shown([compared('A', -0.2), compared('B', 3)], { same_question: false }).change).not.toContain('are the same')
 })
 
+it('states no change of the verdict where one run found within other bounds what the other missed', () => {
+  const bounds = (high: number) => campaign({ uncertain: { 'vehicle.m': { low: 4, high } } })
+  const narrow = compared('A', -0.2, bounds(6))
+  const wide = compared('B', 3, { ...bounds(8), against: 'R-A violates the criterion, in a case within these bounds, on the same model.', against_runs: ['R-A'] })
+  for (const runs of [[narrow, wide], [wide, narrow]]) expect(shown(runs, { same_question: false }).change).not.toContain('From')
+  expect(shown([narrow, wide], { same_question: false }).change).toContain('A violated; B cleared: contradicted')
+})
+
 it('compares no number of a search that has not ended', () => {
   for (const [state, how] of [['cancelled', 'was cancelled: its search did not end'], ['failed', 'failed: its search did not end'], ['running', 'is running: its search has not ended']] as const) {
     const { change, tables } = shown([compared('A', -0.2), unended('B', state, 3)])

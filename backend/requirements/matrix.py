@@ -150,8 +150,8 @@ def _read(cursor: str) -> str:
 
 def _edges(reader: sa.Connection, ids: Sequence[str]) -> dict[str, list[Edge]]:
     """The runs of each requirement that count, the newest first; identities only where a violation may rest on them."""
-    columns = (RunRequirement.requirement, RunRequirement.run_id, Run.question, Run.state, Run.verdict)
-    of = sa.select(*columns, CampaignRow.name, Run.threshold, Run.worst_cost, Run.made_again)
+    columns = (RunRequirement.requirement, RunRequirement.run_id, Run.question, Run.bounds)
+    of = sa.select(*columns, Run.state, Run.verdict, CampaignRow.name, Run.threshold, Run.worst_cost, Run.made_again)
     of = of.join(Run, Run.id == RunRequirement.run_id)
     of = of.join(CampaignRow, CampaignRow.digest == Run.campaign_digest)
     of = of.where(RunRequirement.requirement.in_(ids), *present.counted()).order_by(RunRequirement.run_id.desc())
@@ -159,11 +159,12 @@ def _edges(reader: sa.Connection, ids: Sequence[str]) -> dict[str, list[Edge]]:
     compared: set[int] = set()
     first: dict[tuple[str, str], int] = {}
     newest: set[tuple[str, str]] = set()
-    for key, run_id, question, state, word, name, threshold, worst, again in reader.execute(of):
+    for key, run_id, question, bounds, state, word, name, threshold, worst, again in reader.execute(of):
         verdict = judged(state, word)
         values = [v for v in (worst, again) if v is not None] if verdict == VerdictWord.CLEARED else []
         lowest = min(values, default=None)
-        found[key].append(Edge(run_id, name, question or "", verdict, UNSTORED, threshold, lowest))
+        edge = Edge(run_id, name, question or "", verdict, UNSTORED, threshold, lowest, bounds=bounds or "")
+        found[key].append(edge)
         first.setdefault((key, name), run_id)
         if verdict == VerdictWord.VIOLATED or (verdict is not None and (key, name) not in newest):
             compared.add(run_id)

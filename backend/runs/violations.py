@@ -121,9 +121,9 @@ def _speaking(
     own: Iterable[Found], others: Mapping[str, Sequence[Found]], kins: Mapping[str, str]
 ) -> Iterator[tuple[int, list[Found]]]:
     """By run. Most runs of a list share question, threshold and identity, and thus one list, which may be long."""
-    shared: dict[tuple[str, float | None, int], tuple[dict[int, Found], list[Found], list[Found]]] = {}
+    shared: dict[tuple[str, str, float | None, int], tuple[dict[int, Found], list[Found], list[Found]]] = {}
     for one in own:
-        key = (one.question, one.threshold, id(one.identity))
+        key = (one.question, one.bounds, one.threshold, id(one.identity))
         if key not in shared:
             low, later = _alike(one, others[kins[one.question]])
             shared[key] = low, [*low.values()], later

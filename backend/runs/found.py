@@ -112,7 +112,7 @@ def in_question(other: Some, one: Found) -> Some | None:
     """What another run found within the question of this one: all, if its bounds are inside, else its cases there."""
     if other.question == one.question:
         return other
-    if other.box is None or one.box is None:
+    if other.box is None or one.box is None or other.box.apart(one.box):
         return None
     if other.box.inside(one.box):
         return replace(other, inside=True)

@@ -14,6 +14,7 @@ from backend.db.engine import migrate, read
 from backend.db.purge import beyond, violates
 from backend.db.questions import alike, boxes, store
 from backend.db.tables import Question, Run
+from backend.runs import violations
 from campaigns import Catalogue
 from campaigns.asked.load import load_document
 from campaigns.results import Finding
@@ -212,6 +213,25 @@ def test_defaults_are_those_of_the_components_of_each_run(
     with read(service.engine) as reader:
         assert reader.scalar(sa.select(Run.question).where(Run.id == 2)) == earlier["question"]
     assert client.get(f"{API}/runs/{run}").json()["against"] == stated
+
+
+@pytest.mark.parametrize("changing", [1, 2])
+def test_a_question_that_a_worker_stores_meanwhile_is_no_fault(
+    service: Service, client: httpx.Client, monkeypatch: pytest.MonkeyPatch, changing: int
+) -> None:
+    """On PostgreSQL the statements of a transaction that writes see what others commit between them."""
+    found_by(service, client, CASES["narrower"])
+    ran(service, client)
+    seen = violations._seen_within
+    with service.engine.begin() as writer:
+
+        def meanwhile(*given: Any) -> Any:
+            found = seen(*given)
+            writer.execute(sa.update(Run).where(Run.id == changing).values(question="0" * 64))
+            return found
+
+        monkeypatch.setattr(violations, "_seen_within", meanwhile)
+        assert violations.against(writer, [2]) == {}
 
 
 @BOTH

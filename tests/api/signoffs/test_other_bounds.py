@@ -133,6 +133,8 @@ def test_a_wider_run_does_not_speak_of_what_a_narrower_one_did_not_ask(service: 
         writer.execute(sa.update(Run).where(Run.id == 1).values(verdict="cleared"))
         writer.execute(sa.update(Run).where(Run.id == 2).values(verdict="violated"))
     assert client.get(f"{API}/runs/{run}").json()["against"].startswith("R-0002 violates")
+    (row,) = client.get(f"{API}/requirements").json()["items"]
+    assert row["sentence"].endswith("R-0002 violates it. R-0001 is cleared, but has that case within its bounds.")
 
 
 @pytest.mark.parametrize("name", CASES)
@@ -148,6 +150,7 @@ def test_a_removed_run_is_named_where_it_would_speak_if_it_were_listed(
     assert ("R-0001" in row["sentence"]) is (other.stated in (VIOLATES, FOUND) or name == "removed")
 
 
+@BOTH
 def test_only_what_asks_alike_is_kept_for_a_requirement(service: Service, client: httpx.Client) -> None:
     found_by(service, client, CASES["narrower"])
     submit(client, scenario=campaign()["scenario"] | {"horizon": 20})

@@ -37,12 +37,13 @@ def alike(reader: sa.Connection, digests: Collection[str]) -> dict[str, str]:
     return found
 
 
-def boxes(reader: sa.Connection, digests: Collection[str]) -> dict[str, Box]:
-    """The boxes with these digests."""
+def boxes(reader: sa.Connection, digests: Collection[str]) -> dict[tuple[str, str], Box]:
+    """The boxes with these digests, by question and digest: a worker of an earlier version may store another question
+    of a run, and leaves its bounds."""
     found = {}
     for some in chunks(digests):
         for row in reader.execute(sa.select(Question.__table__).where(Question.digest.in_(some))):
-            found[row.digest] = Box.of(row.kin, row.parts)
+            found[row.question, row.digest] = Box.of(row.kin, row.parts)
     return found
 
 

@@ -126,15 +126,16 @@ def in_question(other: Some, one: Found) -> Some | None:
 
 def located(reader: sa.Connection, some: Sequence[Some]) -> list[Some]:
     """These with their boxes and their cases, if others of them ask the same within other bounds."""
-    stored = boxes(reader, {one.bounds for one in some if one.bounds})
-    kins = Counter(kin for kin, _ in {(stored[one.bounds].kin, one.question) for one in some if one.bounds in stored})
-    of = {bounds: box for bounds, box in stored.items() if kins[box.kin] > 1}
+    of = boxes(reader, {one.bounds for one in some if one.bounds})
+    kins = Counter(kin for kin, _ in {(box.kin, question) for (question, _), box in of.items()})
+    own = {one.run_id: of.get((one.question, one.bounds)) for one in some}
+    apart = {run_id: box for run_id, box in own.items() if box is not None and kins[box.kin] > 1}
     limit = max((one.threshold for one in some if one.threshold is not None), default=-math.inf)
-    apart = [one for one in some if one.bounds in of]
-    speaking = [one for one in apart if one.verdict == VerdictWord.VIOLATED or one.lowest <= limit]
-    cases = _cases(reader, {one.run_id: of[one.bounds] for one in speaking})
+    speaking = {one.run_id for one in some if one.verdict == VerdictWord.VIOLATED or one.lowest <= limit}
+    cases = _cases(reader, {run_id: box for run_id, box in apart.items() if run_id in speaking})
     return [
-        replace(one, box=of[one.bounds], cases=cases.get(one.run_id, ())) if one.bounds in of else one for one in some
+        replace(one, box=apart[one.run_id], cases=cases.get(one.run_id, ())) if one.run_id in apart else one
+        for one in some
     ]
 
 

@@ -219,6 +219,19 @@ def test_defaults_are_those_of_the_components_of_each_run(
 
 
 @pytest.mark.parametrize("changing", [1, 2])
+def test_bounds_that_are_left_of_another_question_are_not_used(
+    service: Service, client: httpx.Client, changing: int
+) -> None:
+    """A worker of an earlier version that has other components stores the question alone."""
+    found_by(service, client, CASES["narrower"])
+    run = ran(service, client)
+    with service.engine.begin() as writer:
+        other = store(writer, load_document(campaign(uncertain=WIDE)), None)
+        writer.execute(sa.update(Run).where(Run.id == changing).values(question=other["question"]))
+    assert client.get(f"{API}/runs/{run}").json()["against"] == ""
+
+
+@pytest.mark.parametrize("changing", [1, 2])
 def test_a_question_that_a_worker_stores_meanwhile_is_no_fault(
     service: Service, client: httpx.Client, monkeypatch: pytest.MonkeyPatch, changing: int
 ) -> None:

@@ -21,7 +21,7 @@ from sqlalchemy import orm
 from backend.db import audit
 from backend.db.digest import results_digest
 from backend.db.engine import ask, is_sqlite, now, read
-from backend.db.questions import asks_alike
+from backend.db.questions import kin
 from backend.db.reset import RESULTS
 from backend.db.rows import at_or_below, made_again_before, own_question
 from backend.db.tables import (
@@ -220,19 +220,19 @@ def _against() -> sa.ColumnElement[bool]:
     """It found a value that violates, or one beyond the horizon that bars "cleared", and a run asks the same question,
     perhaps within other bounds, for a requirement."""
     other = orm.aliased(Run)
-    of = sa.select(RunRequirement.run_id).join(other, other.id == RunRequirement.run_id)
-    return sa.and_(
-        sa.or_(violates(), Run.later.is_not(None)), of.where(asks_alike(other.question, Run.question)).exists()
-    )
+    of = sa.select(kin(other)).join(RunRequirement, RunRequirement.run_id == other.id)
+    asks = kin(Run).in_(of.where(other.question.is_not(None)))
+    return sa.and_(sa.or_(violates(), Run.later.is_not(None)), Run.question.is_not(None), asks)
 
 
 def violates() -> sa.ColumnElement[bool]:
     """Whether a run found a value at or below its threshold, or that of a listed run that asks the same for a
     requirement, whether it came to a verdict or not: what it cleared may violate where the threshold was raised."""
     other = orm.aliased(Run)
-    of = sa.select(sa.func.max(other.threshold)).join(RunRequirement, RunRequirement.run_id == other.id)
-    of = of.where(asks_alike(other.question, Run.question), other.removed.is_(None))
-    required = of.correlate(Run).scalar_subquery()
+    of = sa.select(kin(other).label("kin"), sa.func.max(other.threshold).label("threshold"))
+    of = of.join(RunRequirement, RunRequirement.run_id == other.id).where(other.removed.is_(None))
+    highest = of.group_by("kin").subquery()
+    required = sa.select(highest.c.threshold).where(highest.c.kin == kin(Run)).correlate(Run).scalar_subquery()
     return sa.or_(Run.verdict == VerdictWord.VIOLATED, at_or_below(Run.threshold), at_or_below(required))
 
 

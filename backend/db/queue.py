@@ -95,7 +95,7 @@ def submit(
     needed = None if campaign.simulator is None or catalogue is None else catalogue.simulator(campaign.simulator.name)
     values = {
         "campaign_digest": campaign.digest,
-        "question": questions.store(connection, campaign, catalogue),
+        **questions.store(connection, campaign, catalogue),
         "name": name,
         "tags": list(tags),
         "owner": owner,

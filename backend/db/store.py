@@ -116,7 +116,7 @@ class RunStore:
                 if _newer(snapshot.version, catalogue):
                     raise OtherCode("; ".join(map(str, missing)))
             found = {"snapshot": snapshots.store(connection, campaign, catalogue)}
-            fenced(connection, self.claim, **found, question=questions.store(connection, campaign, catalogue))
+            fenced(connection, self.claim, **found, **questions.store(connection, campaign, catalogue))
             return
         others = [] if snapshot is None else values_changed(campaign, snapshot, catalogue)
         if others:

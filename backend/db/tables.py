@@ -97,6 +97,8 @@ class Run(Base):
     question: orm.Mapped[str | None] = orm.mapped_column(sa.String(64), index=True)
     """Digest of system, bounds and criterion, see `campaigns.checked.question`. Of the run, as its components decide
     which values its campaign means."""
+    bounds: orm.Mapped[str | None] = orm.mapped_column(sa.String(64))
+    """Digest of its row of `questions`; None if a worker of an earlier version stored the question."""
     flown: orm.Mapped[JsonObject | None]
     """The installation when its first stage started, see `campaigns.versions`; None before that and for older runs."""
     # queue
@@ -173,10 +175,13 @@ class Run(Base):
 
 
 class Question(Base):
-    """What a run asks, see `campaigns.checked.question`: one row for all runs that ask it."""
+    """What a run asks, see `campaigns.checked.question`: a row for all runs that ask it of components with the same
+    defaults, with the listed parts in the same order."""
 
     __tablename__ = "questions"
     digest: orm.Mapped[str] = orm.mapped_column(sa.String(64), primary_key=True)
+    """Of the other columns."""
+    question: orm.Mapped[str] = orm.mapped_column(sa.String(64), index=True)
     kin: orm.Mapped[str] = orm.mapped_column(sa.String(64), index=True)
     """Equal for questions that differ only in bounds."""
     parts: orm.Mapped[JsonObject]

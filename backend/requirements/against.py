@@ -92,7 +92,8 @@ def ignored(reader: sa.Connection, ids: Sequence[str], edges: Mapping[str, Seque
         found[row.requirement] = replace(now, removed=now.removed + row.gone, sweeps=now.sweeps + (not row.gone))
         if row.gone and not row.swept:
             stating[row.requirement].add(row.id)
-    speaking = _speaking(reader, ids, gone)
+    asking = _asking(reader, ids)
+    speaking = _speaking(reader, ids, gone, asking)
     removed = of_runs(reader, {*chain(*speaking.values(), *(stating[key] for key in speaking))})
     permit = intending(reader, chain.from_iterable(edges.values()), removed)
     edges = {key: [replace(e, permits=e.run_id in permit) for e in some] for key, some in edges.items()}
@@ -100,25 +101,36 @@ def ignored(reader: sa.Connection, ids: Sequence[str], edges: Mapping[str, Seque
     by = {edge.run_id: edge for edge in rest}
     for key, runs in speaking.items():
         own = [by[run_id] for run_id in stating[key]]
-        spoke = _spoke([by[run_id] for run_id in sorted(runs)], own, edges.get(key, ()))
+        spoke = _spoke([by[run_id] for run_id in sorted(runs)], own, edges.get(key, ()), asking[key])
         found[key] = replace(found[key], spoke=spoke)
     return found
 
 
-def _speaking(reader: sa.Connection, ids: Sequence[str], gone: sa.ColumnElement[bool]) -> dict[str, set[int]]:
-    """The removed runs by requirement that may speak against it, and state it or ask what a run that states it asks."""
+def _asking(reader: sa.Connection, ids: Sequence[str]) -> dict[str, set[str]]:
+    """The questions of the runs that state each requirement, removed ones included."""
+    of = sa.select(RunRequirement.requirement, Run.question).join(Run, Run.id == RunRequirement.run_id)
+    found: dict[str, set[str]] = defaultdict(set)
+    for key, question in reader.execute(of.where(RunRequirement.requirement.in_(ids)).distinct()):
+        found[key].add(question or "")
+    return found
+
+
+def _speaking(
+    reader: sa.Connection, ids: Sequence[str], gone: sa.ColumnElement[bool], asking: Mapping[str, set[str]]
+) -> dict[str, set[int]]:
+    """The removed runs by requirement that may speak against it, and state it or ask what a run that states it asks,
+    perhaps within other bounds."""
     may = sa.or_(violates(), Run.later.is_not(None))
     states = sa.select(RunRequirement.requirement, Run.id).join(Run, Run.id == RunRequirement.run_id)
     states = states.where(RunRequirement.requirement.in_(ids))
     found: dict[str, set[int]] = defaultdict(set)
     for key, run_id in reader.execute(states.where(gone, may)):
         found[key].add(run_id)
-    asking = states.with_only_columns(RunRequirement.requirement, Run.question).distinct()
-    stated = [(key, question) for key, question in reader.execute(asking) if question]  # without one it equals none
-    kins = alike(reader, {question for _, question in stated})
+    kins = alike(reader, {question for questions in asking.values() for question in questions if question})
     keys: dict[str, set[str]] = defaultdict(set)
-    for key, question in stated:
-        keys[kins[question]].add(key)
+    for key, questions in asking.items():
+        for question in questions - {""}:  # without one it equals none
+            keys[kins[question]].add(key)
     for alike_ones in chunks(kins):
         of = sa.select(Run.question, Run.id).where(Run.question.in_(alike_ones), gone, may)
         for asks, run_id in reader.execute(of):
@@ -127,17 +139,20 @@ def _speaking(reader: sa.Connection, ids: Sequence[str], gone: sa.ColumnElement[
     return found
 
 
-def _spoke(removed: Sequence[Edge], stating: Sequence[Edge], edges: Sequence[Edge]) -> dict[How, list[int]]:
+def _spoke(
+    removed: Sequence[Edge], stating: Sequence[Edge], edges: Sequence[Edge], asking: Collection[str]
+) -> dict[How, list[int]]:
     """How removed runs speak against the evidence of a requirement, by the rule for runs that count.
 
     stating: those of the removed ones that state it and are of no sweep; edges: the runs that count. If none of
-    these is like it, a removed run is compared with the newest removed one.
+    these is like it, a removed run is compared with the newest removed one. asking: the questions of all that state it.
     """
     own = {edge.run_id for edge in stating}
     counting, gone = _newest(edges), _newest(stating)
     spoke: dict[How, list[int]] = {}
     for edge in removed:
-        ways = {_way(edge, one, edge.run_id in own) for one in _like(edge, counting) or _like(edge, gone) or [edge]}
+        alone = [edge] if edge.question in asking else []
+        ways = {_way(edge, one, edge.run_id in own) for one in _like(edge, counting) or _like(edge, gone) or alone}
         if known := [way for way in REMOVED if way in ways]:
             spoke.setdefault(known[0], []).append(edge.run_id)
     return spoke

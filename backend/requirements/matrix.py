@@ -151,7 +151,7 @@ def _read(cursor: str) -> str:
 def _edges(reader: sa.Connection, ids: Sequence[str]) -> dict[str, list[Edge]]:
     """The runs of each requirement that count, the newest first; what they found only where a violation may rest on
     it."""
-    columns = (RunRequirement.requirement, RunRequirement.run_id, Run.question, Run.state, Run.verdict)
+    columns = (RunRequirement.requirement, RunRequirement.run_id, Run.question, Run.bounds, Run.state, Run.verdict)
     of = sa.select(*columns, CampaignRow.name, Run.threshold)
     of = of.join(Run, Run.id == RunRequirement.run_id)
     of = of.join(CampaignRow, CampaignRow.digest == Run.campaign_digest)
@@ -160,9 +160,9 @@ def _edges(reader: sa.Connection, ids: Sequence[str]) -> dict[str, list[Edge]]:
     compared: set[int] = set()
     first: dict[tuple[str, str], int] = {}
     newest: set[tuple[str, str]] = set()
-    for key, run_id, question, state, word, name, threshold in reader.execute(of):
+    for key, run_id, question, bounds, state, word, name, threshold in reader.execute(of):
         verdict = judged(state, word)
-        found[key].append(Edge(run_id, name, question or "", verdict, UNSTORED, threshold))
+        found[key].append(Edge(run_id, name, question or "", verdict, UNSTORED, threshold, bounds=bounds or ""))
         first.setdefault((key, name), run_id)
         if verdict == VerdictWord.VIOLATED or (verdict is not None and (key, name) not in newest):
             compared.add(run_id)

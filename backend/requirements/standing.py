@@ -224,7 +224,8 @@ def _violated(name: str, violations: Sequence[Edge], newest: Edge) -> str:
         asks = "which has that case within its bounds" if inside else "which asks the same of the same model"
         return f"{name}: {runs} {verb} it, and {later}, {asks}, has no verdict."
     asks = "has that case within its bounds" if inside else "asks the same of the same model, in which that case exists"
-    return f"{name}: {runs} {verb} it. The newer {later} is {newest.verdict}, but {asks}."
+    the = "The newer " if newest.run_id > max(e.run_id for e in violations) else ""
+    return f"{name}: {runs} {verb} it. {the}{later} is {newest.verdict}, but {asks}."
 
 
 def _where(against: Sequence[Edge]) -> str:

@@ -39,8 +39,8 @@ class Case:
 
 @dataclass(frozen=True)
 class Found:
-    """What one run asked and found. question: see `campaigns.checked.question`, empty if it is not stored; threshold
-    and worst: of its criterion, and the lowest value of any evaluation [unit of the criterion]."""
+    """What one run asked and found. question and bounds: see `campaigns.checked.question`, empty if they are not
+    stored; threshold and worst: of its criterion, and the lowest value of any evaluation [unit of the criterion]."""
 
     run_id: int
     campaign: str
@@ -53,6 +53,7 @@ class Found:
     """The lowest value beyond the horizon, see `Run.later`."""
     permits: bool = False
     """Whether its campaign, which it cleared, intends closest approaches at its end."""
+    bounds: str = ""
     box: Box | None = None
     """Of its question; not read where no other run of a list asks the same within other bounds. See `located`."""
     cases: tuple[Case, ...] = ()
@@ -75,8 +76,8 @@ def found(reader: sa.Connection, *conditions: sa.ColumnElement[bool]) -> list[Fo
     """What the runs found that fulfil the conditions; the lowest value is infinite without one."""
     lowest = sa.select(sa.func.min(Stage.best)).where(Stage.run_id == Run.id, own_question())
     worst = lowest.scalar_subquery().label("worst")
-    columns = (Run.id, Run.state, Run.verdict, Run.threshold, Run.worst_cost, Run.made_again, Run.later, Run.question)
-    of = sa.select(*columns, CampaignRow.name, worst, *identity.COLUMNS)
+    columns = (Run.id, Run.state, Run.verdict, Run.threshold, Run.worst_cost, Run.made_again, Run.later)
+    of = sa.select(*columns, Run.question, Run.bounds, CampaignRow.name, worst, *identity.COLUMNS)
     of = of.join(CampaignRow, CampaignRow.digest == Run.campaign_digest)
     rows: Sequence[Any] = reader.execute(of.where(*conditions).order_by(Run.id)).all()
     if not rows:
@@ -95,6 +96,7 @@ def found(reader: sa.Connection, *conditions: sa.ColumnElement[bool]) -> list[Fo
                 row.threshold,
                 min(values, default=math.inf),
                 row.later,
+                bounds=row.bounds or "",
             )
         )
     return stated
@@ -110,7 +112,7 @@ def in_question(other: Some, one: Found) -> Some | None:
     """What another run found within the question of this one: all, if its bounds are inside, else its cases there."""
     if other.question == one.question:
         return other
-    if other.box is None or one.box is None:
+    if other.box is None or one.box is None or other.box.apart(one.box):
         return None
     if other.box.inside(one.box):
         return replace(other, inside=True)
@@ -124,15 +126,15 @@ def in_question(other: Some, one: Found) -> Some | None:
 
 def located(reader: sa.Connection, some: Sequence[Some]) -> list[Some]:
     """These with their boxes and their cases, if others of them ask the same within other bounds."""
-    of = boxes(reader, {one.question for one in some if one.question})
-    kins = Counter(box.kin for box in of.values())
-    of = {question: box for question, box in of.items() if kins[box.kin] > 1}
+    of = boxes(reader, {one.bounds for one in some if one.bounds})
+    kins = Counter(kin for kin, _ in {(box.kin, question) for (question, _), box in of.items()})
+    own = {one.run_id: of.get((one.question, one.bounds)) for one in some}
+    apart = {run_id: box for run_id, box in own.items() if box is not None and kins[box.kin] > 1}
     limit = max((one.threshold for one in some if one.threshold is not None), default=-math.inf)
-    apart = [one for one in some if one.question in of]
-    speaking = [one for one in apart if one.verdict == VerdictWord.VIOLATED or one.lowest <= limit]
-    cases = _cases(reader, {one.run_id: of[one.question] for one in speaking})
+    speaking = {one.run_id for one in some if one.verdict == VerdictWord.VIOLATED or one.lowest <= limit}
+    cases = _cases(reader, {run_id: box for run_id, box in apart.items() if run_id in speaking})
     return [
-        replace(one, box=of[one.question], cases=cases.get(one.run_id, ())) if one.question in of else one
+        replace(one, box=apart[one.run_id], cases=cases.get(one.run_id, ())) if one.run_id in apart else one
         for one in some
     ]
 

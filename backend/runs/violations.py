@@ -73,15 +73,16 @@ def against(reader: sa.Connection, run_ids: Collection[int]) -> dict[int, list[F
     kins = alike(reader, {row.question for row in asking})
     limit = max((row.threshold for row in asking if row.threshold is not None), default=-math.inf)
     seen = _seen_within(reader, kins, limit)  # of most lists none, and then nothing else is read
-    doubted = [row.id for row in asking if seen[kins[row.question]] - {row.id}]
+    doubted = [row.id for row in asking if any(run_id != row.id for run_id in seen[kins[row.question]])]
     own = [one for one in _found(reader, doubted) if one.verdict not in (None, VerdictWord.VIOLATED)]
+    own = [one for one in own if one.question in kins]  # a worker may have stored another one since
     every = _found(reader, {run_id for kin in {kins[one.question] for one in own} for run_id in seen[kin]})
     permit = intending(reader, own, every)
     own = [replace(one, permits=one.run_id in permit) for one in own]
     both = located(reader, [*own, *every])
     others: dict[str, list[Found]] = defaultdict(list)
     for other in both[len(own) :]:
-        others[kins[other.question]].append(other)
+        others[kins.get(other.question, "")].append(other)
     return {run_id: speaking for run_id, speaking in _speaking(both[: len(own)], others, kins) if speaking}
 
 
@@ -121,9 +122,9 @@ def _speaking(
     own: Iterable[Found], others: Mapping[str, Sequence[Found]], kins: Mapping[str, str]
 ) -> Iterator[tuple[int, list[Found]]]:
     """By run. Most runs of a list share question, threshold and identity, and thus one list, which may be long."""
-    shared: dict[tuple[str, float | None, int], tuple[dict[int, Found], list[Found], list[Found]]] = {}
+    shared: dict[tuple[str, str, float | None, int], tuple[dict[int, Found], list[Found], list[Found]]] = {}
     for one in own:
-        key = (one.question, one.threshold, id(one.identity))
+        key = (one.question, one.bounds, one.threshold, id(one.identity))
         if key not in shared:
             low, later = _alike(one, others[kins[one.question]])
             shared[key] = low, [*low.values()], later

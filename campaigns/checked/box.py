@@ -7,11 +7,15 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
+from operator import lt
 
 from campaigns.documents import JsonObject
 
 SAME = 1e-9
 """Relative difference of two values that one may have from a conversion of units."""
+MOST_SLACK = 0.25
+"""Whole numbers that differ, such as large seeds of a simulator, are different ones."""
 
 
 @dataclass(frozen=True)
@@ -46,9 +50,24 @@ class Box:
 
     def inside(self, other: Box) -> bool:
         """Whether all cases of this box are cases of the other one."""
-        if self.kin != other.kin:
+        if self.kin != other.kin or self.apart(other):
             return False
         return all(_matched(parts, other.parts[what]) for what, parts in self.parts.items())
+
+    def apart(self, other: Box) -> bool:
+        """Whether the values of a part that is like no other one of the box show that no case is in both: a quick look,
+        as thousands of runs may be compared with as many."""
+        (names, low, high), (others, other_low, other_high) = self._single, other._single
+        return names != others or any(map(lt, high, other_low)) or any(map(lt, other_high, low))
+
+    @cached_property
+    def _single(self) -> tuple[int, list[float], list[float]]:
+        """Of the parts that are like no other one: what tells their parameters, and their bounds with the slack."""
+        single = ((what, parts[0].bounds) for what, parts in self.parts.items() if len(parts) == 1)
+        bounds = sorted((what, name, bound[0], bound[1]) for what, each in single for name, bound in each.items())
+        low = [low - _slack((low, high)) for _, _, low, high in bounds]
+        high = [high + _slack((low, high)) for _, _, low, high in bounds]
+        return hash(tuple((what, name) for what, name, *_ in bounds)), low, high
 
     def document(self) -> JsonObject:
         """Its parts as plain JSON values."""
@@ -61,8 +80,12 @@ class Box:
 
 
 def _inside(bound: Sequence[float], other: Sequence[float]) -> bool:
-    slack = SAME * max(map(abs, other))
+    slack = _slack(other)
     return other[0] - slack <= bound[0] and bound[1] <= other[1] + slack
+
+
+def _slack(bound: Sequence[float]) -> float:
+    return min(SAME * max(map(abs, bound)), MOST_SLACK)
 
 
 def _matched(parts: Sequence[Part], others: Sequence[Part]) -> bool:

@@ -42,6 +42,7 @@ def as_of(writer: sa.Connection, revision: str) -> None:
     writer.execute(sa.text("alter table runs drop column made_again"))
     writer.execute(sa.text("alter table runs drop column later"))
     writer.execute(sa.text("alter table signoffs drop column known"))
+    writer.execute(sa.text("alter table runs drop column bounds"))
     writer.execute(sa.text("drop table questions"))
     writer.execute(sa.text(f"update alembic_version set version_num = '{revision}'"))
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import httpx
@@ -11,14 +11,18 @@ import pytest
 import sqlalchemy as sa
 
 from backend.db.engine import migrate, read
-from backend.db.questions import alike, boxes
+from backend.db.purge import beyond, violates
+from backend.db.questions import alike, boxes, store
 from backend.db.tables import Question, Run
+from backend.runs import violations
+from campaigns import Catalogue
+from campaigns.asked.load import load_document
 from campaigns.results import Finding
 from tests.given.databases import BOTH, as_of
 from tests.given.reported_runs import finish_fully
 from tests.given.service import Service
 from tests.given.signed_places import API, PLACES, by_command, ran, sign
-from tests.given.small_catalogue import campaign
+from tests.given.small_catalogue import CATALOGUE, campaign, parameter
 from tests.given.submissions import submit
 from tests.given.verdict_evidence import finding
 
@@ -129,6 +133,121 @@ def test_a_wider_run_does_not_speak_of_what_a_narrower_one_did_not_ask(service: 
         writer.execute(sa.update(Run).where(Run.id == 1).values(verdict="cleared"))
         writer.execute(sa.update(Run).where(Run.id == 2).values(verdict="violated"))
     assert client.get(f"{API}/runs/{run}").json()["against"].startswith("R-0002 violates")
+    (row,) = client.get(f"{API}/requirements").json()["items"]
+    assert row["sentence"].endswith("R-0002 violates it. R-0001 is cleared, but has that case within its bounds.")
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_a_removed_run_is_named_where_it_would_speak_if_it_were_listed(
+    service: Service, client: httpx.Client, name: str
+) -> None:
+    other = CASES[name]
+    removed = {"removed": 1.0, "made_again": 0.4 if other.stated == FOUND else None}
+    found_by(service, client, replace(other, changes=other.changes | removed))
+    sign(client, ran(service, client))
+    (row,) = client.get(f"{API}/requirements").json()["items"]
+    assert row["status"] == "met"
+    assert ("R-0001" in row["sentence"]) is (other.stated in (VIOLATES, FOUND) or name == "removed")
+
+
+@BOTH
+def test_only_what_asks_alike_is_kept_for_a_requirement(service: Service, client: httpx.Client) -> None:
+    found_by(service, client, CASES["narrower"])
+    submit(client, scenario=campaign()["scenario"] | {"horizon": 20})
+    finish_fully(service, "violated")
+    submit(client, name="Without a question")
+    finish_fully(service, "violated")
+    with service.engine.begin() as writer:
+        writer.execute(sa.update(Run).where(Run.id == 3).values(question=None, bounds=None))
+    ran(service, client)
+    with read(service.engine) as reader:
+        assert set(reader.scalars(sa.select(Run.id).where(violates()))) == {1, 2, 3}
+    with service.engine.begin() as writer:  # above its own threshold, and below that of the requirement
+        higher = {"verdict": "cleared", "threshold": 0.3, "worst_cost": 0.4, "made_again": 0.4}
+        writer.execute(sa.update(Run).where(Run.id < 4).values(**higher))
+    with read(service.engine) as reader:
+        assert set(reader.scalars(sa.select(Run.id).where(violates()))) == {1}
+    assert [run.id for run in beyond(service.engine, 0).runs] == [2, 3]
+
+
+def test_a_case_is_that_of_the_obstacles_as_its_run_lists_them(service: Service, client: httpx.Client) -> None:
+    """Two runs of one question may list them in another order."""
+    near, far = ({"component": "circle", "parameters": {"position": {"x": x, "y": x}, "radius": 0.5}} for x in (4, 9))
+
+    def changes(high: float, *obstacles: Any) -> dict[str, Any]:
+        bounds = {
+            f"obstacles.{i}.radius": {"low": 0.1, "high": high if o is near else 0.9} for i, o in enumerate(obstacles)
+        }
+        return {"scenario": campaign()["scenario"] | {"obstacles": list(obstacles)}, "uncertain": bounds}
+
+    submit(client, **changes(0.9, near, far))
+    finish_fully(service)
+    submit(client, **changes(0.9, far, near))
+    large_near = {"obstacles.0.radius": 0.2, "obstacles.1.radius": 0.8}
+    finish_fully(service, "violated", found=[finding(0.4, True, parameters=large_near, point=[0.5, 0.5])])
+    run = ran(service, client, **changes(0.5, near, far))
+    assert client.get(f"{API}/runs/{run}").json()["against"] == ""
+    run = ran(service, client, **changes(0.85, near, far))
+    assert client.get(f"{API}/runs/{run}").json()["against"] == f"R-0002 violates the criterion, {INSIDE}."
+
+
+@pytest.mark.parametrize(
+    ("inertia", "stated"), [(0.07, ""), (None, f"{VIOLATES}, {INSIDE}."), (0.05, f"{VIOLATES}, {INSIDE}.")]
+)
+def test_defaults_are_those_of_the_components_of_each_run(
+    service: Service, client: httpx.Client, inertia: float | None, stated: str
+) -> None:
+    """Also where components with another default, or with fewer parameters, were asked the same question before."""
+    mass = {"vehicle.m": {"low": 4.0, "high": 6.0}}
+    for change in ({"parameters": [parameter("m"), parameter("J", default=0.07)]}, {"parameters": [parameter("m")]}):
+        document = CATALOGUE.model_dump()
+        document["components"][0] |= change
+        before = Catalogue.model_validate(document)
+        with service.engine.begin() as writer:
+            earlier = store(writer, load_document(campaign(uncertain=mass)), before)
+    vehicle = {"component": "unicycle", "parameters": {"m": 5.0} | ({} if inertia is None else {"J": inertia})}
+    submit(
+        client,
+        uncertain={"vehicle.m": {"low": 4.5, "high": 5.5}},
+        scenario=campaign()["scenario"] | {"vehicle": vehicle},
+    )
+    finish_fully(service, "violated")
+    run = ran(service, client, uncertain=mass)
+    with read(service.engine) as reader:
+        assert reader.scalar(sa.select(Run.question).where(Run.id == 2)) == earlier["question"]
+    assert client.get(f"{API}/runs/{run}").json()["against"] == stated
+
+
+@pytest.mark.parametrize("changing", [1, 2])
+def test_bounds_that_are_left_of_another_question_are_not_used(
+    service: Service, client: httpx.Client, changing: int
+) -> None:
+    """A worker of an earlier version that has other components stores the question alone."""
+    found_by(service, client, CASES["narrower"])
+    run = ran(service, client)
+    with service.engine.begin() as writer:
+        other = store(writer, load_document(campaign(uncertain=WIDE)), None)
+        writer.execute(sa.update(Run).where(Run.id == changing).values(question=other["question"]))
+    assert client.get(f"{API}/runs/{run}").json()["against"] == ""
+
+
+@pytest.mark.parametrize("changing", [1, 2])
+def test_a_question_that_a_worker_stores_meanwhile_is_no_fault(
+    service: Service, client: httpx.Client, monkeypatch: pytest.MonkeyPatch, changing: int
+) -> None:
+    """On PostgreSQL the statements of a transaction that writes see what others commit between them."""
+    found_by(service, client, CASES["narrower"])
+    ran(service, client)
+    seen = violations._seen_within
+    with service.engine.begin() as writer:
+
+        def meanwhile(*given: Any) -> Any:
+            found = seen(*given)
+            writer.execute(sa.update(Run).where(Run.id == changing).values(question="0" * 64))
+            return found
+
+        monkeypatch.setattr(violations, "_seen_within", meanwhile)
+        assert violations.against(writer, [2]) == {}
 
 
 @BOTH
@@ -142,7 +261,7 @@ def test_bounds_of_stored_runs_are_kept_by_the_migration(service: Service, clien
     migrate(service.engine.url.render_as_string(hide_password=False))
     with read(service.engine) as reader:
         assert reader.execute(rows).all() == before
-        one, other = reader.scalars(sa.select(Run.question).order_by(Run.id)).all()
-        assert set(alike(reader, [str(one)])) == {one, other}
-        assert boxes(reader, [str(one), str(other)])[str(one)].kin == boxes(reader, [str(other)])[str(other)].kin
+        one, other = reader.execute(sa.select(Run.question, Run.bounds).order_by(Run.id)).all()
+        assert set(alike(reader, [one.question])) == {one.question, other.question}
+        assert len({box.kin for box in boxes(reader, [one.bounds, other.bounds]).values()}) == 1
     assert client.get(f"{API}/runs/{run}").json()["against"] == f"{VIOLATES}, {INSIDE}."

@@ -7,18 +7,19 @@ from pydantic import ValidationError
 from campaigns import Catalogue
 from campaigns.asked.load import CampaignError, load_document
 from campaigns.checked.question import box
+from campaigns.documents import digest_of
 
 revision = "0038"
 down_revision = "0037"
 
 _CAMPAIGNS = sa.table("campaigns", sa.column("digest", sa.String), sa.column("document", sa.JSON))
 _RUNS = sa.table(
-    "runs", sa.column("campaign_digest", sa.String), sa.column("snapshot", sa.String), sa.column("question", sa.String)
+    "runs", *(sa.column(name, sa.String) for name in ("campaign_digest", "snapshot", "question", "bounds"))
 )
 _SNAPSHOTS = sa.table("catalogue_snapshots", sa.column("digest", sa.String), sa.column("document", sa.JSON))
 _INSTALLED = sa.table("catalogue", sa.column("document", sa.JSON))
 _QUESTIONS = sa.table(
-    "questions", sa.column("digest", sa.String), sa.column("kin", sa.String), sa.column("parts", sa.JSON)
+    "questions", *(sa.column(name, sa.String) for name in ("digest", "question", "kin")), sa.column("parts", sa.JSON)
 )
 
 
@@ -26,20 +27,20 @@ def upgrade() -> None:
     op.create_table(
         "questions",
         sa.Column("digest", sa.String(64), primary_key=True),
+        sa.Column("question", sa.String(64), nullable=False),
         sa.Column("kin", sa.String(64), nullable=False),
         sa.Column("parts", sa.JSON(), nullable=False),
     )
+    op.create_index("ix_questions_question", "questions", ["question"])
     op.create_index("ix_questions_kin", "questions", ["kin"])
+    op.add_column("runs", sa.Column("bounds", sa.String(64), nullable=True))
     connection = op.get_bind()
     installed = _described(connection.scalar(sa.select(_INSTALLED.c.document)))
     snapshots: dict[str | None, Catalogue | None] = {None: installed}
     stored: set[str] = set()
-    # In a fixed order: two runs of one question may have had other defaults of what it does not state.
     columns = (_RUNS.c.question, _RUNS.c.campaign_digest, _RUNS.c.snapshot)
-    asking = sa.select(*columns).where(_RUNS.c.question.is_not(None)).distinct().order_by(*columns)
+    asking = sa.select(*columns).where(_RUNS.c.question.is_not(None)).distinct()
     for question, campaign, snapshot in connection.execute(asking).all():
-        if question in stored:
-            continue
         if snapshot not in snapshots:
             of = sa.select(_SNAPSHOTS.c.document).where(_SNAPSHOTS.c.digest == snapshot)
             snapshots[snapshot] = _described(connection.scalar(of))
@@ -48,9 +49,13 @@ def upgrade() -> None:
             bounds = box(load_document(document), snapshots[snapshot])
         except CampaignError:  # of a version whose campaigns this one cannot read: only an equal question is alike
             continue
-        row = {"digest": question, "kin": bounds.kin, "parts": bounds.document()}
-        connection.execute(sa.insert(_QUESTIONS).values(**row))
-        stored.add(question)
+        row = {"question": question, "kin": bounds.kin, "parts": bounds.document()}
+        if (digest := digest_of(row)) not in stored:
+            connection.execute(sa.insert(_QUESTIONS).values(digest=digest, **row))
+            stored.add(digest)
+        mine = sa.and_(_RUNS.c.question == question, _RUNS.c.campaign_digest == campaign)
+        mine = sa.and_(mine, _RUNS.c.snapshot.is_not_distinct_from(snapshot))
+        connection.execute(sa.update(_RUNS).where(mine).values(bounds=digest))
 
 
 def _described(document: object) -> Catalogue | None:

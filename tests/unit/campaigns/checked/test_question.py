@@ -15,7 +15,7 @@ from campaigns.asked.distributions import Uncertain
 from campaigns.asked.load import load_document, load_text
 from campaigns.asked.spec import Criterion, Scenario, Simulator
 from campaigns.asked.text import to_yaml
-from campaigns.checked.box import Box
+from campaigns.checked.box import Box, Part
 from campaigns.checked.check import check
 from campaigns.checked.question import box, question
 from tests.given.small_catalogue import CATALOGUE, component, parameter
@@ -191,6 +191,23 @@ INSIDE: list[tuple[Any, list[Callable[[Any], None]]]] = [
 def test_all_cases_of_narrower_bounds_are_cases_of_wider_ones(base: Any, changes: list[Callable[[Any], None]]) -> None:
     assert bounds(base, *changes).inside(bounds(base))
     assert not bounds(base).inside(bounds(base, *changes))
+
+
+def test_whole_numbers_that_differ_are_different_values() -> None:
+    """Large ones differ by less than a rounding of their size."""
+    fixed = [Box("", {"": [Part("", {"seed": (value, value)})]}) for value in (1.7e9, 1.7e9 + 1, 4e15, 4e15 + 1)]
+    for one in fixed:
+        assert [other for other in fixed if one.inside(other)] == [one]
+        assert [other for other in fixed if not one.apart(other)] == [one]
+
+
+def test_boxes_are_apart_only_where_no_case_is_in_both() -> None:
+    every = [bounds(LOOP), *(bounds(base, *changes) for base, changes in (*SAME, *INSIDE) if base is LOOP)]
+    assert not any(one.apart(other) for one in every for other in every if one.inside(other))
+    masses = [bounds(LOOP, put(MASS, {"low": low, "high": high})) for low, high in ((4, 5), (5, 5.5), (1, 9))]
+    assert not any(one.apart(other) for one in masses for other in masses)
+    heavy = bounds(LOOP, put(MASS, {"low": 7, "high": 9}), put("scenario/vehicle/parameters/m", 8))
+    assert [one.apart(heavy) for one in masses] == [heavy.apart(one) for one in masses] == [True, True, False]
 
 
 def test_a_case_is_inside_the_bounds_that_contain_it_wherever_its_obstacle_is_listed() -> None:

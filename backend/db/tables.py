@@ -184,7 +184,7 @@ class Question(Base):
     question: orm.Mapped[str] = orm.mapped_column(sa.String(64), index=True)
     kin: orm.Mapped[str] = orm.mapped_column(sa.String(64), index=True)
     """Equal for questions that differ only in bounds."""
-    parts: orm.Mapped[JsonObject]
+    parts: orm.Mapped[Any] = orm.mapped_column(sa.JSON)
     """The bounds, see `campaigns.checked.box`."""
 
 

@@ -23,10 +23,10 @@ from backend.db.questions import alike
 from backend.db.sweeps import in_sweep
 from backend.db.tables import CampaignRow, Run, RunRequirement
 from backend.requirements.standing import EARLIER, Edge, How, how, newest_of
-from backend.runs.found import Found, in_question
-from backend.runs.found import found as found_by
-from backend.runs.found import located as located_among
 from backend.runs.violations import CLOSER, intending, named, violating
+from backend.runs.within import Found, in_question
+from backend.runs.within import found as found_by
+from backend.runs.within import located as located_among
 from campaigns.alike import plain
 
 

@@ -25,9 +25,9 @@ from backend.requirements import against
 from backend.requirements.schemas import RequirementPage, RequirementRow, RequirementRun
 from backend.requirements.standing import Edge, Standing, standing
 from backend.runs import identity
-from backend.runs.found import judged
 from backend.runs.outcomes import Outcome, outcomes
 from backend.runs.violations import CLOSER, intending
+from backend.runs.within import judged
 from backend.signoffs import present
 from backend.signoffs.standing import UNSIGNED, Signature, signatures
 from backend.signoffs.texts import Texts, texts

@@ -11,8 +11,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Literal, get_args
 
-from backend.runs.found import Found, within
 from backend.runs.violations import CLOSER, SAME, WITHIN, above, at_threshold, comes_closer, named
+from backend.runs.within import Found, within
 from campaigns.results.regression import PolicyWord
 from campaigns.results.verdict import VerdictWord
 from campaigns.runs import run_name

@@ -20,7 +20,7 @@ from backend.db.engine import chunks
 from backend.db.questions import alike
 from backend.db.rows import at_or_below, unread
 from backend.db.tables import CampaignRow, Run
-from backend.runs.found import Found, found, in_question, located
+from backend.runs.within import Found, found, in_question, located
 from campaigns.identity.identity import may_equal
 from campaigns.results.verdict import VerdictWord
 from campaigns.runs import run_name

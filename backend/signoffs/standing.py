@@ -15,8 +15,8 @@ from backend.db.sweeps import in_sweep
 from backend.db.tables import CampaignRow, Run
 from backend.db.tables import Signoff as Row
 from backend.runs import identity
-from backend.runs.found import Found
 from backend.runs.violations import against, clause, ways
+from backend.runs.within import Found
 from backend.signoffs.persons import person
 from backend.signoffs.present import Present, changes, present
 from backend.signoffs.repeats import COLUMNS, CONCLUDED, Repeats

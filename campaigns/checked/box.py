@@ -10,8 +10,8 @@ from dataclasses import dataclass
 from functools import cached_property
 from operator import lt
 
-from campaigns.documents import JsonObject
-
+Document = tuple[str, Mapping[str, Sequence[float]]]
+"""A part as plain JSON values."""
 SAME = 1e-9
 """Relative difference of two values that one may have from a conversion of units."""
 MOST_SLACK = 0.25
@@ -69,12 +69,12 @@ class Box:
         high = [high + _slack((low, high)) for _, _, low, high in bounds]
         return hash(tuple((what, name) for what, name, *_ in bounds)), low, high
 
-    def document(self) -> JsonObject:
+    def document(self) -> dict[str, list[Document]]:
         """Its parts as plain JSON values."""
-        return {what: [[part.prefix, dict(part.bounds)] for part in parts] for what, parts in self.parts.items()}
+        return {what: [(part.prefix, dict(part.bounds)) for part in parts] for what, parts in self.parts.items()}
 
     @staticmethod
-    def of(kin: str, document: JsonObject) -> Box:
+    def of(kin: str, document: Mapping[str, Sequence[Document]]) -> Box:
         """The box whose parts have this document."""
         return Box(kin, {what: [Part(*part) for part in parts] for what, parts in document.items()})
 

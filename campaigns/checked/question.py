@@ -7,6 +7,7 @@ is stated, or by `plus_minus: 20%` in place of the bounds that it means. Nor by 
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
+from typing import Any
 
 from pydantic import BaseModel
 
@@ -17,7 +18,7 @@ from campaigns.catalogue import Catalogue
 from campaigns.checked.box import Box, Part
 from campaigns.checked.check import parameters, parts, seeded
 from campaigns.checked.simulated import PREFIX
-from campaigns.documents import JsonObject, canonical, digest_of
+from campaigns.documents import canonical, digest_of
 
 _PARTS = ("vehicle", "controller", "avoider", "start", "goal", "obstacles", "environment", "faults")
 _UNASKED = {
@@ -69,7 +70,7 @@ def box(campaign: Campaign, described: Catalogue | None) -> Box:
     return Box(digest_of({name: sorted(each) for name, each in texts.items()}), parts)
 
 
-def _named(campaign: Campaign) -> Iterator[tuple[str, str, JsonObject]]:
+def _named(campaign: Campaign) -> Iterator[tuple[str, str, Mapping[str, Any]]]:
     """Of each part the prefix of the paths of its values, what the question calls it, and what counts of its fields."""
     for prefix, part, left_out in _parts(campaign):
         fields = {} if part is None else part.model_dump(exclude={"parameters", *left_out})

@@ -16,8 +16,8 @@ import yaml
 from backend.db.engine import read
 from backend.db.tables import Base, Finding, Run, Stage
 from backend.runs import violations
-from backend.runs.found import Found, found
 from backend.runs.violations import against, comes_closer, intending
+from backend.runs.within import Found, found
 from backend.signoffs import standing
 from campaigns.identity.identity import UNSTORED
 from campaigns.results.verdict import VerdictWord

@@ -7,7 +7,6 @@ is stated, or by `plus_minus: 20%` in place of the bounds that it means. Nor by 
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from typing import Any
 
 from pydantic import BaseModel
 
@@ -70,7 +69,7 @@ def box(campaign: Campaign, described: Catalogue | None) -> Box:
     return Box(digest_of({name: sorted(each) for name, each in texts.items()}), parts)
 
 
-def _named(campaign: Campaign) -> Iterator[tuple[str, str, Mapping[str, Any]]]:
+def _named(campaign: Campaign) -> Iterator[tuple[str, str, object]]:
     """Of each part the prefix of the paths of its values, what the question calls it, and what counts of its fields."""
     for prefix, part, left_out in _parts(campaign):
         fields = {} if part is None else part.model_dump(exclude={"parameters", *left_out})

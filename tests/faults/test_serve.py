@@ -64,11 +64,11 @@ def test_serve_from_its_start_to_ctrl_c(tmp_path: Path, capsys: pytest.CaptureFi
 @pytest.mark.nightly
 def test_what_serve_started_is_started_again(tmp_path: Path) -> None:
     with serving(tmp_path, CLEARANCE_THREADS="1") as service:
-        for words, name in (("-m backend", "backend"), ("-m clearance worker", "worker 1")):
+        for words, name in (("-m backend", "The backend"), ("-m clearance worker", "Worker 1")):
             old = service.part(words)
             kill(old)
             until(lambda words=words, old=old: service.part(words) not in (0, old), f"another {name}")
-            until(lambda name=name: f"The {name} ended with signal 9 (SIGKILL)" in service.text(), "it is reported")
+            until(lambda name=name: f"{name} ended with signal 9 (SIGKILL)" in service.text(), "it is reported")
         until(service.healthy, "healthy again")
 
 

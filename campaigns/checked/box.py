@@ -10,10 +10,10 @@ from dataclasses import dataclass
 from functools import cached_property
 from operator import lt
 
+from campaigns.checked.lists import SAME
+
 Document = tuple[str, Mapping[str, Sequence[float]]]
 """A part as plain JSON values."""
-SAME = 1e-9
-"""Relative difference of two values that one may have from a conversion of units."""
 MOST_SLACK = 0.25
 """Whole numbers that differ, such as large seeds of a simulator, are different ones."""
 

@@ -13,8 +13,10 @@ from dataclasses import dataclass
 from campaigns.asked.lists import components, prefix_of
 from campaigns.asked.regression import Baseline
 from campaigns.asked.spec import Campaign
-from campaigns.checked.box import SAME
 from campaigns.checked.check import LISTED, RANDOM, SEED
+
+SAME = 1e-9
+"""Relative difference of two values that one may have from a conversion of units."""
 
 
 @dataclass(frozen=True)

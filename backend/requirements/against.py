@@ -24,8 +24,7 @@ from backend.db.sweeps import in_sweep
 from backend.db.tables import CampaignRow, Run, RunRequirement
 from backend.requirements.standing import EARLIER, Edge, How, how, newest_of
 from backend.runs.violations import CLOSER, intending, named, violating
-from backend.runs.within import Found, in_question
-from backend.runs.within import found as found_by
+from backend.runs.within import Found, in_question, of_runs
 from backend.runs.within import located as located_among
 from campaigns.alike import plain
 
@@ -42,26 +41,24 @@ def against(reader: sa.Connection, edges: Mapping[str, Sequence[Edge]]) -> list[
     limit = max((e.threshold for e in every if e.threshold is not None), default=-math.inf)
     others: list[Edge] = []
     for some in chunks(alike(reader, {e.question for e in every if e.question})):
-        others += _edges(violating(reader, limit, Run.question.in_(some)))
+        others += as_edges(violating(reader, limit, Run.question.in_(some)))
     for some in chunks({e.campaign for e in every if not e.question}):
-        others += _edges(violating(reader, limit, Run.question.is_(None), CampaignRow.name.in_(some)))
+        others += as_edges(violating(reader, limit, Run.question.is_(None), CampaignRow.name.in_(some)))
     return others
 
 
-def of_runs(reader: sa.Connection, runs: Collection[int]) -> list[Edge]:
-    """What these runs found, as edges."""
-    return _edges(chain.from_iterable(found_by(reader, Run.id.in_(some)) for some in chunks(runs)))
-
-
-def _edges(some: Iterable[Found]) -> list[Edge]:
+def as_edges(some: Iterable[Found]) -> list[Edge]:
+    """What runs found, without what a requirement states of them."""
     return [Edge(**vars(one)) for one in some]
 
 
 def located(
     reader: sa.Connection, edges: Mapping[str, Sequence[Edge]], others: Sequence[Edge]
 ) -> tuple[dict[str, list[Edge]], list[Edge]]:
-    """Both with what tells which of them asks within the bounds of another one."""
-    every = located_among(reader, [*chain.from_iterable(edges.values()), *others])
+    """Both with what tells which of the others speak against the edges: intents, and bounds within those of others."""
+    own = [*chain.from_iterable(edges.values())]
+    permit = intending(reader, own, others)
+    every = located_among(reader, [*(replace(e, permits=e.run_id in permit) for e in own), *others])
     rest = iter(every)
     return {key: [next(rest) for _ in found] for key, found in edges.items()}, [*rest]
 
@@ -93,10 +90,9 @@ def ignored(reader: sa.Connection, ids: Sequence[str], edges: Mapping[str, Seque
         if row.gone and not row.swept:
             stating[row.requirement].add(row.id)
     asking = _asking(reader, ids)
-    speaking = _speaking(reader, ids, gone, asking)
-    removed = of_runs(reader, {*chain(*speaking.values(), *(stating[key] for key in speaking))})
-    permit = intending(reader, chain.from_iterable(edges.values()), removed)
-    edges = {key: [replace(e, permits=e.run_id in permit) for e in some] for key, some in edges.items()}
+    if not (speaking := _speaking(reader, ids, gone, asking)):
+        return found
+    removed = as_edges(of_runs(reader, {*chain(*speaking.values(), *(stating[key] for key in speaking))}))
     edges, rest = located(reader, edges, removed)
     by = {edge.run_id: edge for edge in rest}
     for key, runs in speaking.items():

@@ -9,7 +9,6 @@ from __future__ import annotations
 from collections import defaultdict
 from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass, replace
-from itertools import chain
 from typing import Any
 
 import sqlalchemy as sa
@@ -26,8 +25,8 @@ from backend.requirements.schemas import RequirementPage, RequirementRow, Requir
 from backend.requirements.standing import Edge, Standing, standing
 from backend.runs import identity
 from backend.runs.outcomes import Outcome, outcomes
-from backend.runs.violations import CLOSER, intending
-from backend.runs.within import judged
+from backend.runs.violations import CLOSER
+from backend.runs.within import judged, of_runs
 from backend.signoffs import present
 from backend.signoffs.standing import UNSIGNED, Signature, signatures
 from backend.signoffs.texts import Texts, texts
@@ -82,8 +81,6 @@ def every(reader: sa.Connection, runs: int) -> Iterator[RequirementRow]:
 def rows(reader: sa.Connection, ids: Sequence[str], most: int) -> list[RequirementRow]:
     edges = _edges(reader, ids)
     others = against.against(reader, edges)
-    permit = intending(reader, chain.from_iterable(edges.values()), others)
-    edges = {key: [replace(e, permits=e.run_id in permit) for e in found] for key, found in edges.items()}
     edges, others = against.located(reader, edges, others)
     stored = sa.select(Requirement.__table__, RequirementFile.name.label("file"))
     stored = stored.outerjoin(RequirementFile, RequirementFile.id == Requirement.file_id)
@@ -169,7 +166,7 @@ def _edges(reader: sa.Connection, ids: Sequence[str]) -> dict[str, list[Edge]]:
         if verdict is not None:
             newest.add((key, name))
     compared |= {run_id for of, run_id in first.items() if of not in newest}
-    known = {edge.run_id: edge for edge in against.of_runs(reader, compared)}
+    known = {edge.run_id: edge for edge in against.as_edges(of_runs(reader, compared))}
     return {key: [known.get(e.run_id, e) for e in edges] for key, edges in found.items()}
 
 

@@ -20,7 +20,7 @@ from backend.db.engine import chunks
 from backend.db.questions import alike
 from backend.db.rows import at_or_below, unread
 from backend.db.tables import CampaignRow, Run
-from backend.runs.within import Found, found, in_question, located
+from backend.runs.within import Found, found, in_question, located, of_runs
 from campaigns.identity.identity import may_equal
 from campaigns.results.verdict import VerdictWord
 from campaigns.runs import run_name
@@ -74,9 +74,9 @@ def against(reader: sa.Connection, run_ids: Collection[int]) -> dict[int, list[F
     limit = max((row.threshold for row in asking if row.threshold is not None), default=-math.inf)
     seen = _seen_within(reader, kins, limit)  # of most lists none, and then nothing else is read
     doubted = [row.id for row in asking if any(run_id != row.id for run_id in seen[kins[row.question]])]
-    own = [one for one in _found(reader, doubted) if one.verdict not in (None, VerdictWord.VIOLATED)]
+    own = [one for one in of_runs(reader, doubted) if one.verdict not in (None, VerdictWord.VIOLATED)]
     own = [one for one in own if one.question in kins]  # a worker may have stored another one since
-    every = _found(reader, {run_id for kin in {kins[one.question] for one in own} for run_id in seen[kin]})
+    every = of_runs(reader, {run_id for kin in {kins[one.question] for one in own} for run_id in seen[kin]})
     permit = intending(reader, own, every)
     own = [replace(one, permits=one.run_id in permit) for one in own]
     both = located(reader, [*own, *every])
@@ -101,10 +101,6 @@ def _seen_within(reader: sa.Connection, kins: Mapping[str, str], limit: float) -
         for question, run_id in reader.execute(of):
             seen[kins[question or ""]].add(run_id)
     return seen
-
-
-def _found(reader: sa.Connection, run_ids: Collection[int]) -> list[Found]:
-    return [one for some in chunks(run_ids) for one in found(reader, Run.id.in_(some))]
 
 
 def intending(reader: sa.Connection, own: Iterable[Found], others: Iterable[Found]) -> set[int]:

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 from collections import Counter, defaultdict
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from typing import Any, TypeVar
@@ -100,6 +100,11 @@ def found(reader: sa.Connection, *conditions: sa.ColumnElement[bool]) -> list[Fo
             )
         )
     return stated
+
+
+def of_runs(reader: sa.Connection, run_ids: Collection[int]) -> list[Found]:
+    """The same of these runs."""
+    return [one for some in chunks(run_ids) for one in found(reader, Run.id.in_(some))]
 
 
 def within(other: Some, one: Found) -> Some | None:

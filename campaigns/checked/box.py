@@ -39,6 +39,8 @@ class Part:
 
 @dataclass(frozen=True)
 class Box:
+    """All cases that a question asks of: the product of the bounds of its values."""
+
     kin: str
     """Digest of what is asked apart from values: boxes of another one have no case in common."""
     parts: Mapping[str, Sequence[Part]]

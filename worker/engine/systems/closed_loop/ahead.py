@@ -41,12 +41,10 @@ class Leg(NamedTuple):
 
 class _Line(NamedTuple):
     """A line past obstacles that move by time alone, from a time after the last sample on [s], or past one that is held
-    where it is there (None). move: velocity along the line; speed: that of the vehicle, as criteria see it."""
+    where it is there (None). start: as `Loop.ahead` takes it."""
 
     begins: float | None
-    place: Floats
-    move: Floats
-    speed: Floats
+    start: Floats
 
 
 class Ahead:
@@ -73,7 +71,7 @@ class Ahead:
         self._first = flights.loop.channels.of["criterion"][0]
         self._p, self._now = flights.loop.extend(row), seen.channels[-1]
         self._seen, self._place = seen, seen.positions[-1]
-        self._sampled: dict[tuple[float | None, ...], Floats] = {}
+        self._sampled: dict[tuple[float | bytes | None, ...], Floats] = {}
 
     def lowest(self, obstacle: int, leg: Leg, drift: Floats | None = None) -> tuple[float, float]:
         """The criterion's lowest value for one obstacle on a line, and its time after the last sample [s].
@@ -81,9 +79,10 @@ class Ahead:
         drift: the velocity of an obstacle with states, which it keeps from the last sample on; None for one whose
         motion depends on time alone, which is followed.
         """
-        line = _Line(leg.begins, leg.place, leg.velocity, leg.velocity)
-        if drift is not None:
-            line = _Line(None, leg.place - leg.begins * drift, leg.velocity - drift, leg.velocity)
+        if drift is None:
+            line = self._line(leg.begins, leg.place, leg.velocity, leg.velocity)
+        else:
+            line = self._line(None, leg.place - leg.begins * drift, leg.velocity - drift, leg.velocity)
         lasts = self._until(obstacle, line) if math.isinf(leg.lasts) else leg.lasts
         count = min(max(LEAST, round(lasts / self._flights.step)), MOST) if lasts > 0.0 else 0
         each = lasts / max(count, 1)
@@ -150,7 +149,7 @@ class Ahead:
     def carried(self, obstacle: int, leg: Leg, times: tuple[float, float, int]) -> Floats:
         """The criterion's channel of one obstacle from a place that moves along a line; times: the first after it
         begins, the interval [s], and how many."""
-        line = _Line(leg.begins, leg.place, leg.velocity, leg.velocity)
+        line = self._line(leg.begins, leg.place, leg.velocity, leg.velocity)
         return self._along(line, *times)[:, self._first + obstacle]
 
     def gap(self, obstacle: int, place: Floats, after: float) -> float:
@@ -161,16 +160,19 @@ class Ahead:
         """An obstacle some time after the last sample, as seen from a place."""
         return self._loop.bodies(self._time + after, self._state, place[: self._axes], self._p)[obstacle]
 
+    def _line(self, begins: float | None, place: Floats, move: Floats, speed: Floats) -> _Line:
+        """move: velocity along the line; speed: that of the vehicle, as criteria see it."""
+        vectors = (vector[: self._axes] for vector in (place, move, speed))
+        return _Line(begins, np.concatenate((self._state, *vectors, self._inputs, self._row)))
+
     def _along(self, line: _Line, first: float, each: float, count: int) -> Floats:
         """The channels at a number of instants."""
-        vectors = (vector[: self._axes] for vector in (line.place, line.move, line.speed))
-        start = (self._state, *vectors, self._inputs, self._row)
         passes = line.begins is not None
-        return self._loop.ahead(start, self._time + (line.begins or 0.0), float(passes), first, each, count)
+        return self._loop.ahead(line.start, self._time + (line.begins or 0.0), float(passes), first, each, count)
 
     def _coarse(self, line: _Line, each: float, count: int) -> Floats:
         """The channels at equal intervals; those of a line that several obstacles share once."""
-        key = line.begins, each, count, *line.place, *line.move
+        key = line.begins, each, count, line.start.tobytes()
         if key not in self._sampled:
             self._sampled[key] = self._along(line, 0.0, each, count + 1)
         return self._sampled[key]

@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import math
 from collections import OrderedDict
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from functools import cached_property
 from threading import Lock
 from typing import Any
@@ -135,18 +135,16 @@ class Loop:
             self._observe(np.ascontiguousarray(states), np.ascontiguousarray(params), step, first, seen)
         return seen
 
-    def ahead(
-        self, start: Sequence[Floats], begin: float, rate: float, first: float, each: float, count: int
-    ) -> Floats:
+    def ahead(self, start: Floats, begin: float, rate: float, first: float, each: float, count: int) -> Floats:
         """The channels (count, ...) of a vehicle that is moved along a straight line, at equal intervals.
 
-        start: the loop's state, place [m], velocity along the line and velocity as criteria see it [m/s], inputs,
-        params; begin: the time at the place [s]; rate: 1, or 0 if time does not pass; first, each: the first instant
-        after that, and the interval [s].
+        start: one after another the loop's state, place [m], velocity along the line and velocity as criteria see it
+        [m/s], inputs, params; begin: the time at the place [s]; rate: 1, or 0 if time does not pass; first, each: the
+        first instant after that, and the interval [s].
         """
         seen = np.empty((count, self.channels.total))
         with np.errstate(all="ignore"):
-            self._ahead(np.concatenate(start), begin, rate, first, each, seen)
+            self._ahead(start, begin, rate, first, each, seen)
         return seen
 
     def bodies(self, time: float, state: Floats, place: Floats, p: tuple[float, ...]) -> Any:

@@ -124,7 +124,8 @@ class _Compared:
 
     def _values(self, begin: Floats, half: Floats, velocity: Sequence[float]) -> list[float]:
         """The criterion's values on a line."""
-        start = (self._instant.state, begin, half, np.array(velocity[: self._axes]), self._inputs, self._instant.row)
+        moved = (begin, half, np.array(velocity[: self._axes]))
+        start = np.concatenate((self._instant.state, *moved, self._inputs, self._instant.row))
         channels = self._loop.ahead(start, self._instant.time, 0.0, 0.0, 2.0 / (PLACES - 1), PLACES)
         return [self._value(row) for row in channels]
 

@@ -8,11 +8,12 @@ obstacle comes. Start reading at `remaining`.
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from worker.engine.systems.base import Floats
+from worker.engine.systems.closed_loop import samples
 from worker.engine.systems.closed_loop.flights import Flights
 from worker.engine.systems.closed_loop.onward import Path, at_rest
 from worker.engine.systems.closed_loop.trace import Seen
@@ -37,6 +38,8 @@ PAST = 2.0
 far as it is."""
 MOMENTS = 1000
 """For which a turn is followed."""
+SLACK = 1e-9
+"""Two distances are taken to be the same that differ by this fraction."""
 
 
 class Remaining(NamedTuple):
@@ -110,15 +113,26 @@ def turning(
     """The smallest distance of places (n, 3) at some times [s] from anywhere that a vehicle may be then, and when;
     half: the time in which it turned by that angle [s], as it may again; steady: it gets no farther than across the
     circle of that turn."""
-    speed, there = float(np.linalg.norm(velocity)), np.linalg.norm(relative, axis=1)
-    angles = np.arccos(np.clip(relative @ velocity / np.maximum(there * speed, 1e-300), -1.0, 1.0))
-    aside = np.clip(angles - turned * (1.0 + times / half), 0.0, 0.5 * np.pi)
-    # The nearest place of a sector: on its edge, at its tip or its rim.
+    speed, there = float(np.linalg.norm(velocity)), samples.lengths(relative)
     farthest = speed * (np.minimum(times, _across(turned, half)) if steady else times)
-    gone = np.clip(there * np.cos(aside), 0.0, farthest)
-    found = np.sqrt(np.maximum(there**2 + gone**2 - 2.0 * there * gone * np.cos(aside), 0.0))
+    along, least = relative @ velocity, there - farthest
+
+    def from_sector(at: Any) -> Floats:
+        away, gone = there[at], farthest[at]
+        angles = np.arccos(np.clip(along[at] / np.maximum(away * speed, 1e-300), -1.0, 1.0))
+        aside = np.clip(angles - turned * (1.0 + times[at] / half), 0.0, 0.5 * np.pi)
+        # The nearest place of a sector: on its edge, at its tip or its rim.
+        gone = np.clip(away * np.cos(aside), 0.0, gone)
+        found: Floats = np.sqrt(np.maximum(away**2 + gone**2 - 2.0 * away * gone * np.cos(aside), 0.0))
+        return found
+
+    # No place is nearer than if the vehicle went straight to it: most need no angles.
+    nearest = int(np.argmin(least))
+    most = float(from_sector([nearest])[0])
+    near = np.flatnonzero(~(least > most + SLACK * (there[nearest] + farthest[nearest])))
+    found = from_sector(near)
     k = int(np.argmin(found))
-    return float(found[k]), float(times[k])
+    return float(found[k]), float(times[near[k]])
 
 
 def crossing(relative: Floats, velocity: Floats, lasts: float, drift: Floats) -> tuple[float, float]:

@@ -16,6 +16,7 @@ import numpy as np
 from campaigns.checked.rates import corners, fastest, lasting
 from campaigns.limits import ROUNDING
 from worker.engine.systems.base import Floats
+from worker.engine.systems.closed_loop import samples
 from worker.engine.systems.closed_loop.flights import Flights
 
 SAMPLES, FINER = 1000, 64
@@ -89,7 +90,7 @@ def at_rest(now: Floats, flights: Flights) -> bool:
 
 def _moves(centres: Floats) -> bool:
     """Whether places differ."""
-    return not all(_same(centres[0], centre) for centre in (centres.min(axis=0), centres.max(axis=0)))
+    return not all(_same(centres[0], centre) for centre in samples.ends(centres))
 
 
 def _same(one: Floats, other: Floats) -> bool:
@@ -181,32 +182,32 @@ class Onward:
 
     def _centres(self, step: float, first: int, count: int) -> Floats:
         states = np.broadcast_to(self._state, (count, len(self._state)))
-        return self.flights.loop.observe(states, self.row, step, first)[:, self._columns]
+        return np.ascontiguousarray(self.flights.loop.observe(states, self.row, step, first)[:, self._columns])
 
     def nearest(
         self, path: Path, position: Floats, velocity: Floats, lasts: float, below: float
     ) -> tuple[float, float]:
         """The smallest distance to a vehicle that goes on for a while and then stops, and when [s]; at least that, if
         it is not below a value."""
-        relative = path.centres - position - np.minimum(path.times, lasts)[:, None] * velocity
-        low = _lowest(relative)
-        order = np.argsort(low)[:REFINED]
-        best, after = np.inf, 0.0
-        for k in (int(k) for k in order):
+        low = _lowest(samples.relative(path.centres, path.times, position, velocity, lasts))
+        values, order = samples.least(low, REFINED + 1)
+        best, after = math.inf, 0.0
+        for k in (int(k) for k in order[: min(REFINED, len(low))]):
             value, time = float(low[k]), float(path.times[k])
             if value < below:
                 value, time = self._finer(path, k, position, velocity, lasts)
             if value < best:
                 best, after = value, time
-        rest = float(np.partition(low, REFINED)[REFINED]) if len(low) > REFINED else np.inf
-        return (best, after) if best <= rest else (rest, float(path.times[int(np.argmax(low == rest))]))
+        if len(low) <= REFINED or best <= values[REFINED]:
+            return best, after
+        return float(values[REFINED]), float(path.times[order[int(np.argmax(values == values[REFINED]))]])
 
     def _finer(self, path: Path, k: int, position: Floats, velocity: Floats, lasts: float) -> tuple[float, float]:
         coarse = path.times[1]
         step, first = coarse / FINER, (round(self._time / coarse) + k) * FINER
         centres = self._centres(step, first, FINER + 1)
         times = path.times[k] + step * np.arange(FINER + 1)
-        low = _lowest(centres - position - np.minimum(times, lasts)[:, None] * velocity)
+        low = _lowest(samples.relative(centres, times, position, velocity, lasts))
         at = int(np.argmin(low))
         return float(low[at]), float(times[at])
 
@@ -215,27 +216,14 @@ def _repeats(centres: Floats, end: int) -> bool:
     """Whether place and velocity are again what they were, as exactly as the intervals can tell; not those at rest."""
     if not _moves(centres[: end + 1]):
         return False
-    moved, bend = np.diff(centres[: end + 2], axis=0), _bend(centres[: end + 2])
+    moved, bend = np.diff(centres[: end + 2], axis=0), samples.bends(centres[: end + 2])[1:-1]
     place = np.linalg.norm(centres[end] - centres[0]) <= np.linalg.norm(moved, axis=1).max()
     return bool(place and np.linalg.norm(moved[end - 1] - moved[0]) <= 2.0 * bend.max() + 1e-12)
 
 
-def _bend(relative: Floats) -> Floats:
-    """The second differences at every inner sample, (m - 2,)."""
-    bent: Floats = np.linalg.norm(np.diff(relative, n=2, axis=0), axis=1)
-    return bent
-
-
 def _lowest(relative: Floats) -> Floats:
-    """The least distance from the origin within every interval, (m - 1,): that of its chord, less what the path may
-    deviate from it, at a corner, too: half of the larger second difference, at either end all of the only one."""
-    begin, along = relative[:-1], np.diff(relative, axis=0)
-    square = (along**2).sum(axis=1)
-    at = np.clip(-(begin * along).sum(axis=1) / np.where(square > 0.0, square, 1.0), 0.0, 1.0)
-    bend = _bend(relative)
-    bend = np.concatenate([2.0 * bend[:1], bend, 2.0 * bend[-1:]])
-    found: Floats = np.linalg.norm(begin + at[:, None] * along, axis=1) - 0.5 * np.maximum(bend[:-1], bend[1:])
-    return found
+    """The least distance from the origin within every interval, (m - 1,)."""
+    return samples.nearest(relative, samples.bends(relative))
 
 
 def leaves(path: Path, position: Floats) -> bool:

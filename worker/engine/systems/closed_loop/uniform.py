@@ -33,13 +33,13 @@ def uniform(ahead: Ahead, onward: Onward, after: float = 0.0, rests: bool = Fals
         return False
     farthest = float(np.linalg.norm(centre)) + LONGER**SPANS * horizon * float(np.linalg.norm(drift))
     for place in _places(centre, onward, ahead):
-        leg, seen = Leg(after, math.inf, place, drift), np.empty(0)
+        leg, first = Leg(after, math.inf, place, drift), None
         rounding = 64.0 * np.finfo(float).eps * farthest * (1.0 + math.dist(place, centre))
         for k in range(SPANS):
             each = LONGER**k * horizon / COUNT
             then = ahead.carried(onward.obstacle, leg, (IRREGULAR * each, each * (1.0 + 0.1 * IRREGULAR), COUNT))
-            seen = np.append(seen[:1], then)
-            if not (np.abs(seen - seen[0]) <= SAME * abs(seen[0]) + rounding).all():
+            first = then[0] if first is None else first
+            if not (np.abs(then - first) <= SAME * abs(first) + rounding).all():
                 return False
     return True
 

@@ -105,15 +105,15 @@ def least(values: Floats, count: int) -> tuple[Floats, NDArray[np.int64]]:
     """The smallest values (count,), in their order, and where they are; of equal ones the first. What has no value is
     left out, and NaN stands for what there is not."""
     found, at = np.full(count, nan), np.zeros(count, np.int64)
-    held = 0
+    size = 0
     for i in range(len(values)):
         value = values[i]
-        if value != value or (held == count and not value < found[count - 1]):
+        if value != value or (size == count and not value < found[count - 1]):
             continue
-        k = held if held < count else count - 1
+        k = size if size < count else count - 1
         while k > 0 and value < found[k - 1]:
             found[k], at[k] = found[k - 1], at[k - 1]
             k -= 1
         found[k], at[k] = value, i
-        held = min(held + 1, count)
+        size = min(size + 1, count)
     return found, at

@@ -127,11 +127,11 @@ def plain_ops(rows: int, lanes: int) -> LaneOps:
             buffer[base + lane + k * lanes] = values[k]
 
     def advance(x, h, dx):  # type: ignore[no-untyped-def]
-        return tuple(a + h * b for a, b in zip(x, dx, strict=True))
+        return tuple([a + h * b for a, b in zip(x, dx, strict=True)])
 
     def combine(x, q, a, b, c, d):  # type: ignore[no-untyped-def]
         return tuple(
-            x_k + q * ((a_k + d_k) + 2.0 * (b_k + c_k)) for x_k, a_k, b_k, c_k, d_k in zip(x, a, b, c, d, strict=True)
+            [x_k + q * ((a_k + d_k) + 2.0 * (b_k + c_k)) for x_k, a_k, b_k, c_k, d_k in zip(x, a, b, c, d, strict=True)]
         )
 
     def magnitude(x):  # type: ignore[no-untyped-def]

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from itertools import pairwise
 from typing import Any
 
@@ -167,7 +168,7 @@ class Channels:
     turns: tuple[tuple[int, int], ...] = ()
     """The legs that divide the steps in which they end, if channels of obstacles are searched: obstacle, leg from 0."""
 
-    @property
+    @cached_property
     def total(self) -> int:
         return self.refined + self.searched + self.steps + self.crossing
 

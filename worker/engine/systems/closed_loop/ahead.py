@@ -96,9 +96,9 @@ class Ahead:
         Of a criterion that combines obstacles, which has no finite value where all others are infinitely far away, it
         is that with the lowest channels of the others so far.
         """
-        every, cost = np.full(self._loop.channels.total, np.inf), self._loop.part("cost")
-        every[self._first + obstacle] = channel
-        value = float(cost(tuple(map(float, every)), self._p))
+        alone, cost = [math.inf] * self._loop.channels.total, self._loop.part("cost")
+        alone[self._first + obstacle] = channel
+        value = float(cost(tuple(alone), self._p))
         if math.isfinite(value):
             return value
         every = self._others.copy()
@@ -167,8 +167,12 @@ class Ahead:
 
     def _along(self, line: _Line, first: float, each: float, count: int) -> Floats:
         """The channels at a number of instants."""
+        return self._shown(line, first, each, np.empty((count, self._loop.channels.total)))
+
+    def _shown(self, line: _Line, first: float, each: float, seen: Floats) -> Floats:
+        """The same, in the rows of an array."""
         passes = line.begins is not None
-        return self._loop.ahead(line.start, self._time + (line.begins or 0.0), float(passes), first, each, count)
+        return self._loop.ahead(line.start, self._time + (line.begins or 0.0), float(passes), first, each, seen)
 
     def _coarse(self, line: _Line, each: float, count: int) -> Floats:
         """The channels at equal intervals; those of a line that several obstacles share once."""
@@ -189,19 +193,21 @@ class Ahead:
 
     def _finer(self, obstacle: int, line: _Line, each: float, channel: Floats) -> tuple[float, float]:
         """The minimum of a channel, searched between its samples unless the criterion reads it at the steps alone."""
-        k = int(np.argmin(channel))
+        k = int(channel.argmin())
         best = float(channel[k]), k * each
         if len(channel) < 2 or self._flights.parts.criterion.over == "steps":
             return best
         least = least_within(channel)
         if self.value(obstacle, float(least.min())) >= self._below:
             return best
+        seen = np.empty((PIECES + 1, self._loop.channels.total))
+        inside = seen[:, self._first + obstacle]
         for begin in (int(i) * each for i in np.argsort(least, kind="stable")[:PLACES]):
             width = each
             while width > FINEST * each * len(channel):
                 part = width / PIECES
-                inside = self._along(line, begin, part, PIECES + 1)[:, self._first + obstacle]
-                at = int(np.argmin(inside))
+                self._shown(line, begin, part, seen)
+                at = int(inside.argmin())
                 best = min(best, (float(inside[at]), begin + at * part))
                 begin, width = begin + min(max(at - 1, 0), PIECES - 2) * part, 2.0 * part
         return best

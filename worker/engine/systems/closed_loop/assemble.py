@@ -7,6 +7,7 @@ from __future__ import annotations
 import math
 from collections import OrderedDict
 from collections.abc import Callable
+from contextlib import AbstractContextManager, nullcontext
 from functools import cached_property
 from threading import Lock
 from typing import Any
@@ -38,6 +39,8 @@ LIBRARY: dict[Any, Function] = {
     maths.log: math.log,
 }
 """The platform's functions for the elementary functions of `maths`."""
+
+_COMPILED = nullcontext()
 
 SLOTS = ("extend", "initial", "initial_guidance", "guide", "closed_loop", "settled", "envelope", "costs_of", "excluded")
 
@@ -88,6 +91,16 @@ class Loop:
     def _ahead(self) -> Any:
         return self._made(loop.ahead, ("extend", "displaced"))
 
+    @cached_property
+    def _seen(self) -> int:
+        """How many columns `observe` has."""
+        return len(self.signals)
+
+    @property
+    def _quiet(self) -> AbstractContextManager[None]:
+        """Compiled code gives no warnings of arithmetic; plain Python none within this."""
+        return _COMPILED if self.compiled else np.errstate(all="ignore")
+
     @property
     def size_extended(self) -> int:
         """Length of the parameter vector with all derived constants."""
@@ -130,20 +143,19 @@ class Loop:
     def observe(self, states: Floats, params: Floats, step: float, first: int = 0) -> Floats:
         """The columns of `signals` for traced states (rows, ...), from step `first` on, of one simulation with params
         (size,)."""
-        seen = np.empty((len(states), len(self.signals)))
-        with np.errstate(all="ignore"):
+        seen = np.empty((len(states), self._seen))
+        with self._quiet:
             self._observe(np.ascontiguousarray(states), np.ascontiguousarray(params), step, first, seen)
         return seen
 
-    def ahead(self, start: Floats, begin: float, rate: float, first: float, each: float, count: int) -> Floats:
-        """The channels (count, ...) of a vehicle that is moved along a straight line, at equal intervals.
+    def ahead(self, start: Floats, begin: float, rate: float, first: float, each: float, seen: Floats) -> Floats:
+        """The channels of a vehicle that is moved along a straight line, at equal intervals.
 
         start: one after another the loop's state, place [m], velocity along the line and velocity as criteria see it
         [m/s], inputs, params; begin: the time at the place [s]; rate: 1, or 0 if time does not pass; first, each: the
-        first instant after that, and the interval [s].
+        first instant after that, and the interval [s]; out: seen (rows, ...), which is returned.
         """
-        seen = np.empty((count, self.channels.total))
-        with np.errstate(all="ignore"):
+        with self._quiet:
             self._ahead(start, begin, rate, first, each, seen)
         return seen
 

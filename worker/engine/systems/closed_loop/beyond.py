@@ -33,12 +33,13 @@ MEMORY = 2**23
 class Continued(NamedTuple):
     """A flight after the horizon. last: its last step; 0 of one that failed before the horizon ended. failed: whether
     its simulation fails after that step. near: whether its samples do not exclude that it came below the value until
-    then. approaches: the simulated one, and the extrapolated ones."""
+    then. approaches: the simulated one, and the extrapolated ones. states: at the horizon, and one step before."""
 
     last: int = 0
     failed: bool = False
     near: bool = False
     approaches: Sequence[Approach] = ()
+    states: Floats | None = None
 
     def reaching(self, cost: float, below: float) -> Self:
         """With the lowest value of its simulation, which is after the horizon if no evaluation has one so low."""
@@ -128,7 +129,8 @@ def _onward(flights: Flights, rows: Floats, below: float) -> Iterator[Continued]
         failed, trace = code != closed_loop.OK, result.trace[k]
         last = ended - 1 if failed else longer
         near = failed and not _away(flights, row, trace, last, below)
-        ahead = Continued(last, failed, near, [*_extrapolated(flights, row, trace, last, below)])
+        approaches = [*_extrapolated(flights, row, trace, last, below)]
+        ahead = Continued(last, failed, near, approaches, trace[steps - 1 : steps + 1].copy())
         yield ahead if failed else ahead.reaching(float(result.costs[k, 0]), below)
 
 
@@ -148,7 +150,12 @@ def _away(flights: Flights, row: Floats, trace: Floats, last: int, below: float)
 
 def _seen(flights: Flights, row: Floats, trace: Floats, first: int, last: int) -> Seen:
     """Vehicle and obstacles at some steps of a flight."""
-    return Seen(flights, flights.loop.observe(trace[first : last + 1], row, flights.step, first), row)
+    return _shown(flights, row, trace[first : last + 1], first)
+
+
+def _shown(flights: Flights, row: Floats, states: Floats, first: int) -> Seen:
+    """The same, with the states at these steps alone."""
+    return Seen(flights, flights.loop.observe(states, row, flights.step, first), row)
 
 
 def _extrapolated(flights: Flights, row: Floats, trace: Floats, last: int, below: float) -> Iterator[Approach]:
@@ -167,7 +174,7 @@ def _extrapolated(flights: Flights, row: Floats, trace: Floats, last: int, below
         lowest: Floats = _seen(flights, row, trace, 0, last).channels.min(axis=0)
         return lowest
 
-    further = cache(partial(remaining, flights, row, trace, last, max(halfway, 0)))
+    further = cache(partial(remaining, flights, row, trace, seen.positions, last, max(halfway, 0)))
     ahead = Ahead(flights, row, trace[last], seen, time, below, so_far)
     ends, clear = list[End](), True
     for i in range(len(flights.parts.obstacles)):
@@ -195,9 +202,10 @@ def _measures(flights: Flights) -> bool:
 def _later(flights: Flights, name: str, row: Floats, continued: Continued, approach: Approach) -> Later:
     """An approach with the obstacle, its distance and its closing speed at the horizon."""
     (steps, every), last = flights.counts(flights.step), continued.last
-    trace = flights.loop.simulate(row[None, :], flights.step, last, every, traced=1).trace[0]
-    obstacle, time = approach.obstacle, approach.time
-    seen = _seen(flights, row, trace, steps - 1, steps if obstacle is not None else last)
+    obstacle, time, states = approach.obstacle, approach.time, continued.states
+    if obstacle is None or states is None:
+        states = flights.loop.simulate(row[None, :], flights.step, last, every, traced=1).trace[0][steps - 1 : last + 1]
+    seen = _shown(flights, row, states, steps - 1)
     if obstacle is None:
         after, obstacle = (int(k) for k in np.unravel_index(np.argmin(seen.deciding[1:]), seen.deciding[1:].shape))
         time = after * flights.step

@@ -126,7 +126,8 @@ class _Compared:
         """The criterion's values on a line."""
         moved = (begin, half, np.array(velocity[: self._axes]))
         start = np.concatenate((self._instant.state, *moved, self._inputs, self._instant.row))
-        channels = self._loop.ahead(start, self._instant.time, 0.0, 0.0, 2.0 / (PLACES - 1), PLACES)
+        seen = np.empty((PLACES, self._loop.channels.total))
+        channels = self._loop.ahead(start, self._instant.time, 0.0, 0.0, 2.0 / (PLACES - 1), seen)
         return [self._value(row) for row in channels]
 
     def _value(self, channels: Floats) -> float:

@@ -115,7 +115,7 @@ class End:
         if math.isfinite(when) and low <= self._threshold and low < self._below:
             yield Approach(low, self._index, self._since + when, known=False, vehicle=vehicle, goal=goal)
 
-    @property
+    @cached_property
     def _here(self) -> Approach:
         """The criterion's value at the last sample; where that is not finite, the distance that it declares, and not
         known: whether anything comes below it cannot be compared."""
@@ -128,7 +128,7 @@ class End:
         """That of an obstacle that is followed."""
         return self._onward.path(self._moves) if self._moves.kind == "followed" else None
 
-    @property
+    @cached_property
     def _extent(self) -> float:
         """What the criterion subtracts from the distance to the centre [m]; where that is unknown, what the distance at
         the last sample shows of it."""

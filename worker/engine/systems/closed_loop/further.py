@@ -60,23 +60,24 @@ class Remaining(NamedTuple):
         return min(self.lasts, max(GROWS * horizon, around))
 
 
-def remaining(flights: Flights, row: Floats, trace: Floats, last: int, halfway: int) -> Remaining:
-    """That of a flight until its last step; halfway: the step half a horizon before."""
+def remaining(flights: Flights, row: Floats, trace: Floats, pair: Floats, last: int, halfway: int) -> Remaining:
+    """That of a flight until its last step; pair: its last two places; halfway: the step half a horizon before."""
+    half = 0.5 * flights.campaign.given_scenario.horizon
+    if at_rest(pair, flights):
+        return Remaining(half=half)
     every = max(1, (last - halfway) // INTERVALS)
     each = every * flights.step
     states = np.ascontiguousarray(trace[last % every : last + 1 : every])
     places = Seen(flights, flights.loop.observe(states, row, each, 0), row).positions
-    pair = Seen(flights, flights.loop.observe(trace[last - 1 : last + 1], row, flights.step, last - 1), row).positions
-    found = Remaining() if at_rest(pair, flights) else going(places, (last - halfway) // every, each)
-    return found._replace(half=0.5 * flights.campaign.given_scenario.horizon)
+    return going(places, (last - halfway) // every, each)._replace(half=half)
 
 
 def going(places: Floats, late: int, each: float) -> Remaining:
     """That of a vehicle that was at places (n, 3) at equal intervals [s]: it goes nowhere if it stands or keeps about a
     place in the last so many of them, on for ever unless it slows down there."""
-    moved = np.linalg.norm(np.diff(places, axis=0), axis=1)
+    moved = samples.lengths(places[1:] - places[:-1])
     before, moved = moved.sum(), moved[-late:]
-    away = np.linalg.norm(places[-1] - places[-1 - len(moved) :], axis=1)
+    away = samples.lengths(places[-1] - places[-1 - len(moved) :])
     middle, end = len(moved) // 2, len(moved) - 1
     slows = moved[middle:].max(initial=0.0) < 0.5 * moved[:middle].max(initial=0.0)
     keeps = away[0] <= STRAIGHT * moved.sum()
@@ -94,8 +95,8 @@ def going(places: Floats, late: int, each: float) -> Remaining:
 
 
 def _turned(places: Floats) -> float:
-    moved = np.diff(places, axis=0)
-    lengths = np.linalg.norm(moved, axis=1)
+    moved = places[1:] - places[:-1]
+    lengths = samples.lengths(moved)
     if lengths[-1] == 0.0:
         return math.pi
     along = moved[lengths > 0.0] @ moved[-1] / (lengths[lengths > 0.0] * lengths[-1])

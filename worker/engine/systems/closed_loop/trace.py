@@ -239,7 +239,7 @@ def _searched(flights: Flights, seen: Seen, case: SimulatedCase) -> tuple[int, i
 
 def least_within(channels: Floats) -> Floats:
     """What channels (rows, ...) may fall to within each step if they change no faster than between the neighbours."""
-    change = np.abs(np.diff(channels, axis=0))
+    change = np.abs(channels[1:] - channels[:-1])
     change = np.concatenate([change[:1], change, change[-1:]])
     fastest = np.maximum(np.maximum(change[:-2], change[1:-1]), change[2:])
     least: Floats = 0.5 * (channels[:-1] + channels[1:] - fastest)

@@ -19,6 +19,10 @@ GOAL = (6.0, 7.0)
 """The unicycle of case 1 is near it when the horizon ends."""
 
 
+TRAVELS = 0.04
+"""The step of a vehicle that is under way [s]; near its goal it would be unstable with that."""
+
+
 def place(x: float, y: float) -> dict[str, float]:
     return {"x": x, "y": y}
 
@@ -51,8 +55,8 @@ def travelling(*obstacles: dict[str, Any], **changes: Any) -> Campaign:
     """Case 1 with a goal so far away that the vehicle is under way when the horizon ends."""
     behind = {"component": "circle", "parameters": {"position": place(4.0, -60.0), "radius": 0.3}}
     far = {
-        "scenario__obstacles": [behind, *obstacles], "scenario__horizon": 5.0, "scenario__step": STEP,
-        "scenario__guidance": {"period": STEP}, "criterion__component": "surface_separation",
+        "scenario__obstacles": [behind, *obstacles], "scenario__horizon": 5.0, "scenario__step": TRAVELS,
+        "scenario__guidance": {"period": TRAVELS}, "criterion__component": "surface_separation",
         "criterion__threshold": 0.1, "scenario__goal": place(600.0, 700.0), "scenario__vehicle__parameters__J": 0.5,
         "scenario__avoider__parameters__k_att": 0.05, "scenario__avoider__parameters__k_rep": 0.3,
         "stages__search": [{"method": "direct", "evaluations": 50}],
@@ -65,4 +69,4 @@ def under_way() -> tuple[np.ndarray[Any, Any], np.ndarray[Any, Any]]:
     """Place and velocity of that vehicle after twice its horizon."""
     longer = Problem(travelling(scenario__horizon=10.0), compiled=False)
     path = trace(longer.system, "nominal", {}).data  # type: ignore[arg-type]
-    return path[-1, 1:3], (path[-1, 1:3] - path[-2, 1:3]) / STEP
+    return path[-1, 1:3], (path[-1, 1:3] - path[-2, 1:3]) / TRAVELS

@@ -84,7 +84,8 @@ def test_what_only_flights_of_a_search_meet_after_the_horizon_is_not_cleared() -
 def test_what_a_vehicle_that_is_still_under_way_would_come_to_is_not_cleared(intended: dict[str, str]) -> None:
     """It goes on to a far goal, 15 horizons away; the obstacle is on its line after two more."""
     post = {"component": "circle", "parameters": {"position": {"x": 39.2, "y": 46.5}, "radius": 0.3}}
-    campaign, store = travelling(post, encounter={"intended": intended}), MemoryStore(sample_seed=DRAWN)
+    campaign = travelling(post, encounter={"intended": intended}, stages__certify={"samples": 60})
+    store = MemoryStore(sample_seed=DRAWN)
     conclusion = execute(campaign, store, threads=1)
     assert "closest approach" in [found.code for found in conclusion.checks if not found.ok]
     found = later(store).unknown

@@ -277,6 +277,7 @@ def test_validation_catches_a_step_that_is_too_long() -> None:
         "scenario__step": 0.0075,
         "scenario__horizon": 6.0,
         "stages__validate": {"tolerance": 1e-9, "neighbours": 0, "evaluations": 20_000},
+        "stages__certify": {"samples": 60},
     }
     _, conclusion = run(campaign(**changes, stages__search=[{"method": "direct", "evaluations": 20}]))
     assert conclusion.verdict == "inconclusive"

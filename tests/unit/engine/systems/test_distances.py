@@ -174,7 +174,9 @@ def no_number(lowest: Any, p: Any) -> float:
 
 
 def returned(value: Any, horizon: float) -> Beyond:
-    made = document(scenario__horizon=horizon)
+    made = document(scenario__horizon=horizon, scenario__step=0.02, scenario__guidance={"period": 0.02})
+    made["scenario"]["vehicle"]["parameters"] = {"J": 0.5}  # stable with that step
+    made["stages"]["search"] = [{"method": "direct", "evaluations": 50}]
     made["scenario"]["obstacles"].append(RETURNING)
     made["criterion"] = {"component": "own", "threshold": 0.1}
     with_it = Flights(load_document(made), installed(own(SURFACE, value=value)), compiled=False, lanes=1)

@@ -43,7 +43,9 @@ OTHERS = {
 
 
 @pytest.fixture(autouse=True)
-def forgotten() -> Iterator[None]:
+def forgotten(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
+    """Nothing is known of other tests, and a part that changes nothing is found so by few flights."""
+    monkeypatch.setattr(encounter, "COMPARED", (2, 1))
     encounter._flown.cache_clear()
     yield
     encounter._flown.cache_clear()
@@ -145,8 +147,7 @@ GUSTS = {"component": "dryden_gusts", "parameters": {"W": 20.0}}
     ],
     ids=["a loss", "wind on a ground robot", "no loss", "up to a bound", "of no duration"],
 )
-def test_what_changes_no_flight_is_named(campaign: Campaign, idle: list[str], monkeypatch: pytest.MonkeyPatch) -> None:
+def test_what_changes_no_flight_is_named(campaign: Campaign, idle: list[str]) -> None:
     """Of a robot in a wind of 57 m/s that moves no robot, "cleared ... with Steady wind" was stated."""
-    monkeypatch.setattr(encounter, "COMPARED", (2, 1))
     found = encounter.idle(opened.flights(campaign, compiled=False, lanes=1))
     assert found == dict.fromkeys(idle, 4)

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from clearance.testing.problems import Problem
-from tests.given.beyond_horizon import KNOWN, STEP, met, place, travelling, under_way
+from tests.given.beyond_horizon import KNOWN, TRAVELS, met, place, travelling, under_way
 from worker.engine.components.obstacles import cooperative_circle, moving_circle
 from worker.engine.kernels.component import Rate
 from worker.engine.systems.closed_loop import further
@@ -397,7 +397,7 @@ def steadily() -> tuple[Points, Points]:
     """Place and velocity of that vehicle after twice its horizon."""
     longer = Problem(travelling(scenario__horizon=2.0 * HORIZON, scenario__avoider=STEADILY), compiled=False)
     path = trace(longer.system, "nominal", {}).data  # type: ignore[arg-type]
-    return path[-1, 1:3], (path[-1, 1:3] - path[-2, 1:3]) / STEP
+    return path[-1, 1:3], (path[-1, 1:3] - path[-2, 1:3]) / TRAVELS
 
 
 @pytest.mark.parametrize("at", [(300.0, 380.0), (700.0, 700.0), (-900.0, 50.0)])

@@ -3,6 +3,7 @@ with each condition of the encounter stated as intended, and with all of them.""
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import Any
 
 import pytest
@@ -13,6 +14,8 @@ from tests.audited import audited, recorded
 from tests.given.case_campaigns import CASE1, searching
 from tests.given.corrupted_records import DIRECT, SQP, TURNING
 from tests.given.sampled_stages import DRAWN
+from worker.engine.stages.parts import encounter as parts
+from worker.evidence.audit import limits
 from worker.evidence.audit.judge import audit
 from worker.evidence.verdicts import encounter
 from worker.running.runs.runner import execute
@@ -47,6 +50,15 @@ BY_DAY = (
     ("sampling", CONDITIONS),
 )
 """The intention that would permit it, and all together."""
+
+
+@pytest.fixture(autouse=True)
+def fewer() -> Iterator[None]:
+    """Few evaluations besides the sample are simulated on beyond the horizon."""
+    with pytest.MonkeyPatch.context() as changed:
+        changed.setattr(parts, "OTHERS", 100)
+        changed.setattr(limits, "OTHERS", 100)
+        yield
 
 
 @pytest.mark.by_day(1)

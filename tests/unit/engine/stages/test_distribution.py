@@ -15,6 +15,7 @@ from campaigns.results.sample import KEPT, Distribution
 from campaigns.stored.blocks import Counted, Scale
 from campaigns.stored.blocks import counted as block_of
 from campaigns.stored.records import Columns
+from tests.given.at_night import rows_nightly_but
 from tests.given.sampled_stages import asked, context
 from worker.engine.problem.distributions import Distributions, Range
 from worker.engine.search.base import Batch, Floats
@@ -128,8 +129,11 @@ def test_equal_values_have_the_fraction_of_all_at_or_below(ties: str, size: int)
     holds(values, np.array(ranks) / size, costs)
 
 
-@pytest.mark.parametrize("samples", [300, 2 * KEPT])
-@pytest.mark.parametrize("digits", [0, 1, 2, 9])
+COUNTED = [(digits, samples) for digits in (0, 1, 2, 9) for samples in (300, 2 * KEPT)]
+"""Many equal values to none, of which all are stored or half."""
+
+
+@pytest.mark.parametrize(("digits", "samples"), rows_nightly_but([(0, 2 * KEPT), (2, 300), (9, 2 * KEPT)], COUNTED))
 def test_the_audit_finds_the_same_of_a_counted_sample(digits: int, samples: int) -> None:
     def flown(points: Floats) -> tuple[Batch, dict[int, str]]:
         costs = np.round(points.sum(axis=1), digits)[:, None]

@@ -21,7 +21,9 @@ from tests.given.sampled_stages import DRAWN
 from tests.given.stated_facts import facts
 from tests.given.verdict_evidence import check_of
 from worker.engine.reference.reference import Reference
+from worker.engine.stages.parts import encounter
 from worker.engine.stages.parts.base import stream
+from worker.evidence.audit import limits
 from worker.running.runs.runner import execute
 from worker.running.runs.store import MemoryStore
 
@@ -42,8 +44,11 @@ def ran() -> tuple[MemoryStore, Verdict]:
 
 def run(campaign: Campaign) -> tuple[MemoryStore, Verdict]:
     store = MemoryStore(sample_seed=DRAWN)
-    conclusion = execute(campaign, store, threads=1)
-    audited(store, campaign)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(encounter, "OTHERS", 100)
+        patch.setattr(limits, "OTHERS", 100)
+        conclusion = execute(campaign, store, threads=1)
+        audited(store, campaign)
     return store, conclusion
 
 

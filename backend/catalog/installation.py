@@ -12,6 +12,7 @@ import sqlalchemy as sa
 
 from backend.catalog.service import published
 from backend.db import workers
+from backend.db.engine import once
 from campaigns import Catalogue
 
 NO_CODE = "no worker has published the code to compare it with"
@@ -51,6 +52,10 @@ class Installation:
 
 def installation(reader: sa.Connection) -> Installation:
     """What a run of now would be of, as far as it is known."""
+    return once(reader, "installation", lambda: _installed(reader))
+
+
+def _installed(reader: sa.Connection) -> Installation:
     catalogue, report = published(reader), workers.reported(reader)
     if catalogue is None or catalogue.code is None or report is None:
         return Installation(None, NO_CODE)

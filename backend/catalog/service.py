@@ -15,6 +15,7 @@ from backend.catalog.estimate import estimate
 from backend.catalog.pace import Pace
 from backend.catalog.schemas import Checked, CheckedParameter, Foreseen, LibraryCampaign, PredictedBound, ProblemOut
 from backend.db import snapshots
+from backend.db.engine import once
 from backend.db.tables import CatalogueDocument
 from backend.http.errors import RefusedError, not_found
 from backend.http.versions import readable
@@ -48,8 +49,8 @@ def published_digest(reader: sa.Connection) -> str:
 
 
 def _stored(reader: sa.Connection) -> str | None:
-    document = sa.cast(CatalogueDocument.document, sa.Text)
-    return reader.scalar(sa.select(document).order_by(CatalogueDocument.published.desc()).limit(1))
+    of = sa.select(sa.cast(CatalogueDocument.document, sa.Text)).order_by(CatalogueDocument.published.desc()).limit(1)
+    return once(reader, "published", lambda: reader.scalar(of))
 
 
 @functools.lru_cache(maxsize=4)

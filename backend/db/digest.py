@@ -14,6 +14,7 @@ from typing import Any
 import sqlalchemy as sa
 
 from backend.db import revision, snapshots
+from backend.db.engine import once
 from backend.db.tables import CampaignRow, EvaluationChunk, Finding, Run, Stage, Trace
 from campaigns.documents import digest_of
 from campaigns.stored.digest import Rows, evidence_digest
@@ -30,6 +31,10 @@ _FINDING = ("label", "cost", "margin", "parameters", "point", "methods", "found"
 
 def results_digest(reader: sa.Connection, run_id: int, evidence: bool = True) -> str:
     """64 hexadecimal digits; any change of a result changes them. Revisions up to 0010 used `evidence=False`."""
+    return once(reader, ("results", run_id, evidence), lambda: _computed(reader, run_id, evidence))
+
+
+def _computed(reader: sa.Connection, run_id: int, evidence: bool) -> str:
     stated = sa.select(Run.summary["provenance"][EVIDENCE].as_string()).where(Run.id == run_id)
     if reader.scalar(stated) is not None:
         return current_digest(reader, run_id)
@@ -79,7 +84,8 @@ def _parts(reader: sa.Connection, run_id: int, evidence: bool = True) -> dict[st
 def _apart(reader: sa.Connection, run_id: int) -> list[list[int]]:
     """Position, counted and violations of the stages whose blocks do not give these numbers: a changed number changes
     the digest, and whoever signed before it covered them signed the same digest."""
-    if (revision.stored(reader) or _COUNTED) < _COUNTED:
+    stored = once(reader, "revision", lambda: revision.stored(reader))
+    if (stored or _COUNTED) < _COUNTED:
         return []
     columns = (Stage.position, Stage.evaluations, Stage.counted, Stage.violations, Stage.result["blocks"])
     found = []

@@ -12,7 +12,7 @@ import json
 import os
 import sqlite3
 import time
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Hashable, Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
@@ -68,6 +68,8 @@ class NewerSchemaError(ValueError):
 
 _json = functools.partial(json.dumps, allow_nan=False)
 _READ = "clearance_read"
+_COMPUTED = "clearance_computed"
+"""What `once` has computed from the snapshot of a reader."""
 _MIGRATION_LOCK = 0x636C6561
 """Key of the PostgreSQL advisory lock that serialises migrations."""
 
@@ -125,8 +127,29 @@ def insert(connection: sa.Connection, table: Any) -> sqlite.Insert | postgresql.
 @contextmanager
 def read(engine: sa.Engine) -> Iterator[sa.Connection]:
     """A read-only connection with one snapshot; on SQLite it neither waits for writers nor blocks them."""
+    computed: dict[str, Any] = {_COMPUTED: {}} if is_sqlite(engine) else {}
     with engine.connect() as connection:
-        yield connection.execution_options(**{_READ: True})
+        yield connection.execution_options(**{_READ: True}, **computed)
+
+
+def one_snapshot(reader: sa.Connection) -> bool:
+    """Whether all that a connection reads is of one snapshot. On PostgreSQL each statement has its own."""
+    return _COMPUTED in reader.get_execution_options()
+
+
+def once(reader: sa.Connection, key: Hashable, compute: Callable[[], Result]) -> Result:
+    """What `compute` reads, computed once for one snapshot: several parts of an answer state the same.
+
+    The result is shared: it must not be changed. Elsewhere, as within a write, it is computed at each call.
+    """
+    computed: dict[Hashable, Result] | None = reader.get_execution_options().get(_COMPUTED)
+    if computed is None:
+        return compute()
+    if not reader.in_transaction():
+        computed.clear()  # of a snapshot that has ended
+    if key not in computed:
+        computed[key] = compute()
+    return computed[key]
 
 
 def ask(engine: sa.Engine, question: Callable[[sa.Connection], Result]) -> Result:

@@ -14,6 +14,7 @@ import jinja2
 import sqlalchemy as sa
 from markupsafe import Markup
 
+from backend.db.engine import one_snapshot
 from backend.http.naming import named
 from backend.reports import charts, limits, sections, validation, words
 from backend.reports.cache import Kept, Page, key
@@ -69,7 +70,8 @@ def report_html(reader: sa.Connection, run_id: int, at: float, pages: Path, exte
         page = _written(replace(load(reader, run_id), extends=extends), pages)
     elif page is None:
         page = _written(load(reader, run_id), pages)
-        if key(reader, run_id, pages) == known:  # else something changed while it was read, as PostgreSQL permits
+        # Else something may have changed while it was read.
+        if one_snapshot(reader) or key(reader, run_id, pages) == known:
             KEPT.put(run_id, known, page)
     return replace(page, html=page.html.replace(_DAY, words.day(at)).replace(_MOMENT, words.moment(at)))
 

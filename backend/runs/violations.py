@@ -16,7 +16,7 @@ from typing import Any
 
 import sqlalchemy as sa
 
-from backend.db.engine import chunks
+from backend.db.engine import chunks, once
 from backend.db.questions import alike
 from backend.db.rows import at_or_below, unread
 from backend.db.tables import CampaignRow, Run
@@ -69,6 +69,14 @@ def _seen(limit: float) -> sa.ColumnElement[bool]:
 def against(reader: sa.Connection, run_ids: Collection[int]) -> dict[int, list[Found]]:
     """The listed other runs that speak against the verdict of each, by run; none against one that violates. `later` is
     only of those that speak against it by nothing else."""
+    known = once(reader, "against", dict[int, list[Found]])
+    if new := set(run_ids) - known.keys():
+        compared = _compared(reader, new)
+        known |= {run_id: compared.get(run_id, []) for run_id in new}
+    return {run_id: known[run_id] for run_id in sorted(set(run_ids)) if known[run_id]}
+
+
+def _compared(reader: sa.Connection, run_ids: Collection[int]) -> dict[int, list[Found]]:
     asking = _with_verdict(reader, run_ids)
     kins = alike(reader, {row.question for row in asking})
     limit = max((row.threshold for row in asking if row.threshold is not None), default=-math.inf)

@@ -13,7 +13,7 @@ from backend.access.rules import SIGN
 from backend.db import audit, numbers, users
 from backend.db.access import Visitor
 from backend.db.digest import results_digest
-from backend.db.engine import now
+from backend.db.engine import now, once
 from backend.db.signed import signer
 from backend.db.tables import Run
 from backend.db.tables import Signoff as Row
@@ -32,13 +32,21 @@ from campaigns.runs import run_name
 def listed(reader: sa.Connection, run_id: int, visitor: Visitor | None = None) -> Signoffs:
     """The sign-offs of a run, with those that it carries on, oldest first, and why the visitor, if given, may not add
     one; 404 without such a run."""
+    found = once(reader, ("signoffs", run_id), lambda: _listed(reader, run_id))
+    if visitor is None:
+        return found
+    barred = _barred(reader, run_id, visitor, found.digest)
+    return found.model_copy(update={"barred": barred, "signs_as": signs_as(reader, visitor)})
+
+
+def _listed(reader: sa.Connection, run_id: int) -> Signoffs:
     verdict = _verdict(reader, run_id)
     removed = reader.scalar(sa.select(Run.removed).where(Run.id == run_id)) is not None
     digest = results_digest(reader, run_id)
     signed = signatures(reader, [run_id]).get(run_id, UNSIGNED)
     items = [one.signoff() for one in signed.signatures]
     can_sign = verdict is not None and not removed
-    found = Signoffs(
+    return Signoffs(
         digest=digest,
         can_sign=can_sign,
         texts=texts(reader, [run_id]).of_run(run_id),
@@ -46,9 +54,6 @@ def listed(reader: sa.Connection, run_id: int, visitor: Visitor | None = None) -
         not_carried=signed.not_carried,
         items=items,
     )
-    if visitor is not None:
-        found.barred, found.signs_as = _barred(reader, run_id, visitor, digest), signs_as(reader, visitor)
-    return found
 
 
 def sign(writer: sa.Connection, run_id: int, review: SignoffRequest, visitor: Visitor) -> Signoff:

@@ -17,21 +17,22 @@ from campaigns.results.regression import Regression, policy_word
 from clearance.cli._following import ended_as
 from clearance.client.answers import Run as Answer
 from tests.faults.processes import REPOSITORY
-from tests.given.databases import BOTH
+from tests.given.at_night import rows_nightly_but
+from tests.given.databases import KINDS
 from tests.given.requirement_rows import AT, ran, row, sign
 from tests.given.service import Service
 
 API = REPOSITORY / "frontend" / "openapi.json"
 SENTENCE, LEAF = "By the policy of the campaign on changes since its baseline, R-0001 fails", "since the baseline fails"
 FAILING, HOLDING = {"ok": False, "accepted": False}, {"ok": True, "accepted": False}
-SINCE: list[tuple[str, dict[str, bool] | None, str | None]] = [
-    ("cleared", FAILING, "fails"),
-    ("violated", FAILING, "fails"),
-    ("cleared", HOLDING, "holds"),
-    ("violated", {"ok": True, "accepted": True}, "accepts"),
-    ("inconclusive", {"ok": True, "accepted": True}, "holds"),
-    ("cleared", None, None),
-]
+SINCE: dict[str, list[tuple[dict[str, bool] | None, str | None]]] = {
+    "cleared": [(None, None), (FAILING, "fails"), (HOLDING, "holds")],
+    "violated": [(FAILING, "fails"), ({"ok": True, "accepted": True}, "accepts")],
+    "inconclusive": [({"ok": True, "accepted": True}, "holds")],
+}
+"""By verdict: what the policy decided, and its word."""
+ROWS = [(kind, verdict) for kind in KINDS for verdict in SINCE]
+BY_DAY = [row for row in ROWS if row[0] == "sqlite" or row[1] == "violated"]
 
 
 def compared(service: Service, since: dict[str, bool] | None) -> None:
@@ -60,19 +61,17 @@ def stated(service: Service, client: httpx.Client) -> dict[str, Any]:
     }
 
 
-@BOTH
-@pytest.mark.parametrize(("verdict", "since", "word"), SINCE)
-def test_every_place_states_what_the_policy_says(
-    service: Service, client: httpx.Client, verdict: str, since: dict[str, bool] | None, word: str | None
-) -> None:
+@pytest.mark.parametrize(("database", "verdict"), rows_nightly_but(BY_DAY, ROWS), indirect=["database"])
+def test_every_place_states_what_the_policy_says(service: Service, client: httpx.Client, verdict: str) -> None:
     ran(service, client, "REQ-1", verdict=verdict)
-    compared(service, since)
-    found = stated(service, client)
-    assert found == dict.fromkeys(found, word)
-    sentence = row(client, "REQ-1")["sentence"]
-    exports = [client.get(f"{AT}/export/{name}").text for name in ("requirements.csv", "requirements.reqif")]
-    argument = " ".join(client.get(f"{AT}/export/argument.gsn.yaml").text.split())
-    assert {SENTENCE in text for text in (sentence, *exports, argument)} == {word == "fails"}
+    for since, word in SINCE[verdict]:
+        compared(service, since)
+        found = stated(service, client)
+        assert found == dict.fromkeys(found, word)
+        sentence = row(client, "REQ-1")["sentence"]
+        exports = [client.get(f"{AT}/export/{name}").text for name in ("requirements.csv", "requirements.reqif")]
+        argument = " ".join(client.get(f"{AT}/export/argument.gsn.yaml").text.split())
+        assert {SENTENCE in text for text in (sentence, *exports, argument)} == {word == "fails"}
     assert (LEAF in argument) == (word == "fails")
     listed = Answer.model_validate(client.get("/api/v1/runs").json()["items"][0])
     assert ended_as(listed).endswith(", policy fails") == (word == "fails")
@@ -99,6 +98,7 @@ def test_what_states_a_verdict_and_what_it_lacks_states_the_policy() -> None:
 
 
 def test_words() -> None:
-    for verdict, since, word in SINCE:
-        known = since or {}
-        assert policy_word(known.get("ok"), known.get("accepted"), verdict) == word
+    for verdict, decided in SINCE.items():
+        for since, word in decided:
+            known = since or {}
+            assert policy_word(known.get("ok"), known.get("accepted"), verdict) == word

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from itertools import count
 from typing import Any
 
 import httpx
@@ -16,6 +17,7 @@ from tests.given.submissions import submit
 
 API = "/api/v1"
 REQUIREMENT = "SYS-1"
+_TOKENS = count(1)
 
 
 def ran(service: Service, client: httpx.Client, **changes: Any) -> str:
@@ -84,6 +86,6 @@ PLACES: dict[str, Callable[[httpx.Client, str], str]] = {
 def by_command(service: Service, run: str, capsys: pytest.CaptureFixture[str]) -> str:
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("CLEARANCE_SERVICE", service.url)
-        patch.setenv("CLEARANCE_TOKEN", service.token(f"t{run[-1]}"))
+        patch.setenv("CLEARANCE_TOKEN", service.token(f"t{next(_TOKENS)}"))
         assert invoke(["show", run]) == 0
     return capsys.readouterr().out

@@ -21,6 +21,7 @@ from backend.runs.within import Found, found
 from backend.signoffs import standing
 from campaigns.identity.identity import UNSTORED
 from campaigns.results.verdict import VerdictWord
+from tests.given.at_night import nightly_but
 from tests.given.reported_runs import finish_fully
 from tests.given.row_changes import changed
 from tests.given.service import Service
@@ -69,29 +70,49 @@ def of_the_run(client: httpx.Client, run: str) -> dict[str, str]:
     return {"run": str(detail["against"]), "related": str(related["against"]), "verdict of the report": verdict}
 
 
+@pytest.fixture(scope="module")
+def again(still: Service, guest: httpx.Client) -> str:
+    """A signed run; the first run asked the same under another name, and found what a test has it find."""
+    submit(guest, name="renamed", seed=9)
+    finish_fully(still)
+    run = ran(still, guest)
+    sign(guest, run)
+    names = [guest.get(f"{API}/runs/{one}").json()["campaign_name"] for one in ("R-0001", run)]
+    assert len(set(names)) == 2
+    return run
+
+
+def missing(places: Mapping[str, str], stated: str) -> set[str]:
+    """The places that do not state it, or that state something where there is nothing to state."""
+    return {place for place, text in places.items() if (stated not in text if stated else MODEL in text)}
+
+
 @pytest.mark.parametrize("case", CASES)
-def test_what_another_run_found_is_stated_in_every_place(
-    service: Service, client: httpx.Client, capsys: pytest.CaptureFixture[str], case: str
+def test_what_another_run_found_is_stated_of_the_run_and_its_requirement(
+    still: Service, guest: httpx.Client, again: str, case: str
 ) -> None:
     changes, stated, asked = CASES[case]
-    submit(client, name="renamed", seed=9)
-    finish_fully(service)
-    run = ran(service, client)
-    sign(client, run)
-    names = [client.get(f"{API}/runs/{one}").json()["campaign_name"] for one in ("R-0001", run)]
-    assert len(set(names)) == 2
-    with changed(service.engine, sa.update(Run).where(Run.id == 1).values(**changes)):
-        places = of_the_run(client, run) | {place: shown(client, run) for place, shown in PLACES.items()}
-        places["show"] = by_command(service, run, capsys)
-        for place, text in places.items():
-            assert (stated in text) if stated else (MODEL not in text), place
-        report = " ".join(client.get(f"{API}/runs/{run}/report.html").text.split())
+    with changed(still.engine, sa.update(Run).where(Run.id == 1).values(**changes)):
+        assert missing(of_the_run(guest, again), stated) == set()
+        report = " ".join(guest.get(f"{API}/runs/{again}/report.html").text.split())
         assert asked in report
-        (row,) = client.get(f"{API}/requirements").json()["items"]
+        (row,) = guest.get(f"{API}/requirements").json()["items"]
         expected = "violated" if stated == VIOLATES else "inconclusive" if stated else None
         assert expected is None or (row["status"], "R-0001" in row["sentence"]) == (expected, True)
         assert expected is not None or row["status"] not in ("violated", "inconclusive")
-        argument = yaml.safe_load(client.get(f"{API}/requirements/export/argument.gsn.yaml").text)
+
+
+@pytest.mark.parametrize("case", nightly_but(("violated", "cancelled", "beyond the horizon", "above"), CASES))
+def test_it_is_stated_in_every_place_that_shows_the_sign_off(
+    still: Service, guest: httpx.Client, again: str, capsys: pytest.CaptureFixture[str], case: str
+) -> None:
+    """By day one case for each of the sentences, and one without."""
+    changes, stated, _ = CASES[case]
+    with changed(still.engine, sa.update(Run).where(Run.id == 1).values(**changes)):
+        places = {place: shown(guest, again) for place, shown in PLACES.items()}
+        places["show"] = by_command(still, again, capsys)
+        assert missing(places, stated) == set()
+        argument = yaml.safe_load(guest.get(f"{API}/requirements/export/argument.gsn.yaml").text)
         assert any(name.endswith("R-0001") for name in argument) == bool(stated)
         assert not stated or not any(name.startswith("Sn-") for name in argument)
 

@@ -18,7 +18,7 @@ from backend.webhooks.body import ended
 from clearance.cli import CODES, _sweep
 from clearance.client.answers import Sweep
 from tests.faults.processes import REPOSITORY
-from tests.given.databases import BOTH
+from tests.given.databases import AT_NIGHT
 from tests.given.reported_runs import finish_fully
 from tests.given.requirement_rows import AT, ran, row
 from tests.given.row_changes import changed
@@ -68,7 +68,7 @@ def marks(client: httpx.Client) -> dict[str, bool]:
     return {name: f"cleared{MARK}" in text.lower() for name, text in texts.items()}
 
 
-@BOTH
+@AT_NIGHT
 def test_every_place_states_that_another_run_speaks_against_it(service: Service, client: httpx.Client) -> None:
     for _ in TWO:
         ran(service, client, "REQ-1")

@@ -127,7 +127,7 @@ def insert(connection: sa.Connection, table: Any) -> sqlite.Insert | postgresql.
 @contextmanager
 def read(engine: sa.Engine) -> Iterator[sa.Connection]:
     """A read-only connection with one snapshot; on SQLite it neither waits for writers nor blocks them."""
-    computed: dict[str, Any] = {_COMPUTED: {}} if is_sqlite(engine) else {}
+    computed = {_COMPUTED: dict[Hashable, Any]()} if is_sqlite(engine) else {}
     with engine.connect() as connection:
         yield connection.execution_options(**{_READ: True}, **computed)
 

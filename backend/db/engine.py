@@ -290,8 +290,9 @@ def _sqlite(url: sa.URL, busy_timeout: float, create: bool) -> sa.Engine:
     @sa.event.listens_for(engine, "begin")
     def _begun(connection: sa.Connection) -> None:
         beside.refuse_deleted(file)  # not at the checkout, which would close the connection that may be the last one
-        reads = connection.get_execution_options().get(_READ, False)
-        connection.exec_driver_sql("BEGIN" if reads else "BEGIN IMMEDIATE")
+        options = connection.get_execution_options()
+        options.get(_COMPUTED, {}).clear()  # of a snapshot that has ended, whatever statement begins the next one
+        connection.exec_driver_sql("BEGIN" if options.get(_READ, False) else "BEGIN IMMEDIATE")
 
     return outages.watched(engine)
 

@@ -33,3 +33,22 @@ def test_a_reader_computes_once_what_a_writer_computes_at_each_call(tmp_path: Pa
             assert counted(reader) == reader.scalar(TIMES) == 3
         with read(engine) as reader:
             assert counted(reader) == 3
+
+
+def test_nothing_is_remembered_of_an_earlier_snapshot_whatever_begins_the_next_one(tmp_path: Path) -> None:
+    with connected(migrated(tmp_path)) as engine:
+        with engine.begin() as writer:
+            writer.execute(sa.text("create table seen (id integer)"))
+        with read(engine) as reader:
+            for n, end in enumerate((reader.rollback, reader.commit, reader.close)):
+                with engine.begin() as writer:
+                    writer.execute(sa.text("insert into seen values (1)"))
+                assert reader.scalar(TIMES) == counted(reader) == n + 1
+                end()
+            assert reader.closed
+        with read(engine) as reader:
+            for n in range(3, 5):
+                with reader.begin():
+                    assert counted(reader) == reader.scalar(TIMES) == n
+                with engine.begin() as writer:
+                    writer.execute(sa.text("insert into seen values (1)"))

@@ -72,11 +72,11 @@ def test_every_place_states_what_the_policy_says(service: Service, client: httpx
         exports = [client.get(f"{AT}/export/{name}").text for name in ("requirements.csv", "requirements.reqif")]
         argument = " ".join(client.get(f"{AT}/export/argument.gsn.yaml").text.split())
         assert {SENTENCE in text for text in (sentence, *exports, argument)} == {word == "fails"}
-    assert (LEAF in argument) == (word == "fails")
-    listed = Answer.model_validate(client.get("/api/v1/runs").json()["items"][0])
-    assert ended_as(listed).endswith(", policy fails") == (word == "fails")
-    report = client.get("/api/v1/runs/R-0001/report.html").text
-    assert (f"</svg>{verdict.capitalize()}, policy fails<" in report) == (word == "fails")
+        assert (LEAF in argument) == (word == "fails")
+        listed = Answer.model_validate(client.get("/api/v1/runs").json()["items"][0])
+        assert ended_as(listed).endswith(", policy fails") == (word == "fails")
+        report = client.get("/api/v1/runs/R-0001/report.html").text
+        assert (f"</svg>{verdict.capitalize()}, policy fails<" in report) == (word == "fails")
 
 
 def test_the_verdict_alone_decides_whether_a_requirement_is_met(service: Service, client: httpx.Client) -> None:

@@ -36,7 +36,7 @@ from tests.migrated import migrated
 from tests.simulators import noisy
 from tests.simulators.adversaries import adversary
 from worker.engine.attraction import region
-from worker.engine.stages.parts import offered
+from worker.engine.stages.parts import encounter, offered
 from worker.evidence.audit.judge import Item
 from worker.evidence.audit.record import of_folder
 from worker.evidence.audit.sentences import SPANS
@@ -185,8 +185,8 @@ MADE = TemporaryDirectory(prefix="clearance-records-")
 
 
 def once(made: Callable[[str], T]) -> Callable[[str], T]:
-    """What is made of a name, once for all tests that confirm as many violations and make as many spot checks: the
-    first process that needs it stores it for the others."""
+    """What is made of a name, once for all tests that confirm as many violations, make as many spot checks and simulate
+    as many evaluations on: the first process that needs it stores it for the others."""
 
     @cache
     def known(name: str, *limits: int) -> T:
@@ -201,7 +201,7 @@ def once(made: Callable[[str], T]) -> Callable[[str], T]:
             stored.write(pickle.dumps(value))
         return value
 
-    return lambda name: known(name, offered.AT_MOST, offered.SPOT_CHECKS)
+    return lambda name: known(name, offered.AT_MOST, offered.SPOT_CHECKS, encounter.OTHERS)
 
 
 @once

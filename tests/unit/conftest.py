@@ -1,4 +1,4 @@
-"""The process of live simulations, shared by all tests of a process; runs with few spot checks."""
+"""The process of live simulations, shared by all tests of a process; runs that make few evaluations again."""
 
 from __future__ import annotations
 
@@ -7,15 +7,16 @@ from collections.abc import Iterator
 import pytest
 
 from tests.given.live_process import Live
-from worker.engine.stages.parts import offered
-from worker.evidence.audit import judge
+from worker.engine.stages.parts import encounter, offered
+from worker.evidence.audit import judge, limits
 
-FEW = 5
+FEW, OTHERS = 5, 10
 
 
 @pytest.fixture(autouse=True, scope="module")
-def few_spot_checks(request: pytest.FixtureRequest) -> Iterator[None]:
+def few_checks(request: pytest.FixtureRequest) -> Iterator[None]:
     """Check five evaluations with the reference integrator instead of 200, two thirds of a run's processor time.
+    Besides the sample, simulate ten beyond the horizon instead of 1,000, which is half of what is left.
 
     A module with `ALL_CHECKS` has all of them.
     """
@@ -24,6 +25,8 @@ def few_spot_checks(request: pytest.FixtureRequest) -> Iterator[None]:
         return
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(offered, "SPOT_CHECKS", FEW)
+        patch.setattr(encounter, "OTHERS", OTHERS)
+        patch.setattr(limits, "OTHERS", OTHERS)
         patch.setattr(judge.audit, "__defaults__", (offered.AT_MOST, FEW))
         yield
 

@@ -44,8 +44,10 @@ DIRECT = {"method": "direct", "evaluations": 200}
 SQP = {"method": "sqp", "evaluations": 200, "starts": [{"vehicle.m": 4.5, "vehicle.J": 0.05}]}
 SAMPLE = {"method": "monte_carlo", "evaluations": 100}
 
-SHORT = {"scenario__horizon": 4.0}
-"""[s]; the closest approach comes at 3.1 s."""
+FEW: dict[str, Any] = {"stages__certify": {"samples": 60}}
+"""Samples: those of a probability of 5 % that is shown by no violation."""
+SHORT = FEW | {"scenario__horizon": 4.0}
+"""The closest approach comes at 3.1 s."""
 
 
 @pytest.fixture(autouse=True)
@@ -181,7 +183,7 @@ def test_violated_is_1(file: Write, tmp_path: Path, capsys: pytest.CaptureFixtur
 
 
 def test_inconclusive_is_2(file: Write, capsys: pytest.CaptureFixture[str]) -> None:
-    assert invoke(["run", file(searching(DIRECT, scenario__horizon=1.0))]) == INCONCLUSIVE == 2
+    assert invoke(["run", file(searching(DIRECT, scenario__horizon=1.0, **FEW))]) == INCONCLUSIVE == 2
     assert "? Inconclusive" in capsys.readouterr().out
 
 
@@ -290,7 +292,7 @@ def test_json_is_one_object_with_the_documented_keys(file: Write, capsys: pytest
             "kind", "method", "best", "evaluations", "failed", "excluded", "seconds", "stop", "minima",
         }  # fmt: skip
     assert found["stages"][2]["evaluations"] == 200
-    assert found["statistics"]["samples"] == 300
+    assert found["statistics"]["samples"] == 60
     assert [f["label"] for f in found["findings"]] == ["F1"]
 
 
@@ -357,7 +359,7 @@ def test_failed_evaluations_are_written_without_a_cost(
     file: Write, capsys: pytest.CaptureFixture[str], tmp_path: Path
 ) -> None:
     uncertain = {"vehicle.J": {"low": 0.001, "high": 0.06}}
-    asked = searching(SAMPLE, uncertain=uncertain, scenario__horizon=1.0)
+    asked = searching(SAMPLE, uncertain=uncertain, scenario__horizon=1.0, **FEW)
     _, printed = result(capsys, file(asked), "--out", str(tmp_path / "out"))
     with (tmp_path / "out" / "evaluations.csv").open(newline="") as lines:
         rows = list(csv.DictReader(lines))

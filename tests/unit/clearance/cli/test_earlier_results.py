@@ -19,8 +19,8 @@ from worker.engine.systems.base import CampaignUnusable
 from worker.engine.systems.simulators.cluster.address import EvaluatorLost
 from worker.running.runs.runner import execute
 
-SHORT = {"scenario__horizon": 4.0}
-"""[s]; too short for a sample or a second method to matter: inconclusive."""
+SHORT: dict[str, Any] = {"scenario__horizon": 4.0, "stages__certify": None}
+"""Without a sample or a second method: inconclusive."""
 OWN = ("notes.txt", "run.json", "junit.xml")
 """Files in the folder that no run of this command wrote."""
 

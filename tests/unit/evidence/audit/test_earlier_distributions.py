@@ -3,7 +3,6 @@ redrawn values, and equal values one by one."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -12,7 +11,7 @@ import pytest
 from campaigns import Campaign
 from campaigns.asked.load import load_document
 from campaigns.claims.wording import WORDING
-from tests.given.corrupted_records import NORMAL, PAIR, Folder, certifying, copied, counting, made
+from tests.given.corrupted_records import RUNS, Folder, copied, made, written
 from tests.given.sampled_stages import DRAWN
 from tests.simulators import adversaries, noisy
 from tests.simulators.adversaries import Call, adversary
@@ -23,11 +22,8 @@ from worker.running.runs.runner import execute
 from worker.running.runs.store import MemoryStore
 
 Curve = tuple[list[float], list[int]]
-CAMPAIGNS: dict[str, Callable[..., Campaign]] = {
-    "all": lambda: certifying(150, uncertain=NORMAL, correlations=PAIR),
-    "lowest": lambda: counting(1100, uncertain=NORMAL, correlations=PAIR),
-}
-"""By what is stored of the sample; its values beyond the bounds are redrawn."""
+REDRAWN = {"all": "cleared", "lowest": "counted correlations"}
+"""Runs whose sample has values beyond the bounds, which are redrawn, by what is stored of it."""
 
 
 def stepped(call: Call) -> float:
@@ -49,12 +45,12 @@ def disagreeing(folder: Path, version: int) -> set[str]:
     return {item.name for item in record.items() if item.agrees is False}
 
 
-@pytest.mark.parametrize("stored", CAMPAIGNS)
-def test_a_band_without_redrawn_values(stored: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    assert disagreeing(folder_of(CAMPAIGNS[stored](), tmp_path / "today"), WORDING) == set()
+@pytest.mark.parametrize("name", REDRAWN.values(), ids=REDRAWN)
+def test_a_band_without_redrawn_values(name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    assert disagreeing(written(tmp_path / "today", name), WORDING) == set()
     band = claims.band
     monkeypatch.setattr(claims, "band", lambda samples, confidence, redrawn: band(samples, confidence))
-    folder = folder_of(CAMPAIGNS[stored](), tmp_path / "earlier")
+    folder = folder_of(RUNS[name](), tmp_path / "earlier")
     assert disagreeing(folder, ALIKE - 1) == set()
     assert any(name.endswith("distribution.band") for name in disagreeing(folder, WORDING))
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -24,9 +25,9 @@ Run = tuple[Campaign, MemoryStore]
 NUMBERS = ("density", "distance", "tail")
 
 
-@pytest.fixture
+@cache
 def skewed() -> Run:
-    """Two correlated uniform parameters, and violations."""
+    """Two correlated uniform parameters, and violations; one run for all tests."""
     changes: dict[str, Any] = {"correlations": PAIR, "criterion__threshold": 0.943, "stages__certify": None} | SHORT
     campaign, store = searching(DIRECT, SAMPLE, **changes), MemoryStore(sample_seed=DRAWN)
     execute(campaign, store, threads=1)
@@ -51,27 +52,25 @@ def stated(record: Folder) -> list[Any]:
 
 
 @pytest.mark.parametrize("version", [WORDING, ALIKE - 1])
-def test_no_number_is_stated_nor_expected_of_a_run_that_an_earlier_version_stored(
-    skewed: Run, version: int, tmp_path: Path
-) -> None:
-    folder = copied(made(*skewed), tmp_path)
+def test_no_number_is_stated_nor_expected_of_a_run_that_an_earlier_version_stored(version: int, tmp_path: Path) -> None:
+    folder = copied(made(*skewed()), tmp_path)
     assert {tuple(numbers) for numbers in stated(Folder(folder))} == {(None, None, None)}
     assert disagreeing(folder, version) == set()
 
 
 def test_the_numbers_of_an_earlier_version_hold_by_its_rules_alone(
-    skewed: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(local, "joint", by_scores(local.joint))
-    folder = copied(made(*skewed), tmp_path)
+    folder = copied(made(*skewed()), tmp_path)
     assert any(None not in numbers for numbers in stated(Folder(folder)))
     assert disagreeing(folder, ALIKE - 1) == set()
     assert any(name.startswith("most_likely_violation.case.") for name in disagreeing(folder, WORDING))
 
 
 @pytest.mark.parametrize("version", [WORDING, ALIKE - 1])
-def test_a_less_likely_violation_is_rejected(skewed: Run, version: int, tmp_path: Path) -> None:
-    record = Folder(copied(made(*skewed), tmp_path))
+def test_a_less_likely_violation_is_rejected(version: int, tmp_path: Path) -> None:
+    record = Folder(copied(made(*skewed()), tmp_path))
     record.result["most_likely_violation"]["case"]["index"] += 1
     record.reseal()
     assert any(name.startswith("most_likely_violation.case") for name in disagreeing(tmp_path, version))

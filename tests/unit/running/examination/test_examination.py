@@ -15,7 +15,7 @@ from tests.given.component_mistakes import COMPILED, DECLARED, FLOWN, READ, Slip
 from worker.engine.components import own as own_package
 from worker.engine.kernels.component import Component, Vehicle, declared
 from worker.running.catalogue.installed import components, source_of
-from worker.running.examination import compiling, examine, reading, units
+from worker.running.examination import compiling, examine, flying, reading, units
 from worker.running.examination.declaring import _check_kernel, declared_by
 from worker.running.examination.flying import flown
 from worker.running.examination.kernels import kernels
@@ -60,6 +60,12 @@ def found(file: Path) -> Mistake:
     pytest.fail("no mistake was found")
 
 
+@pytest.fixture
+def short(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Simulations of three seconds instead of thirty, for what does not depend on how long they are."""
+    monkeypatch.setattr(flying, "LONG", 300)
+
+
 def reported(mistake: Mistake, text: str, slip: Slip) -> None:
     """The mistake is the expected one, in the line with the expected text."""
     assert re.search(slip.text, mistake.text), f"line {mistake.line}: {mistake.text}"
@@ -97,6 +103,7 @@ def test_what_is_written_to_start_from_can_be_used(kind: str, folder: Path) -> N
 
 
 @pytest.mark.by_day(1)
+@pytest.mark.usefixtures("short")
 @pytest.mark.parametrize("kind", nightly_but(("avoider", "fault"), KINDS))
 def test_a_component_may_be_of_a_subclass(kind: str, folder: Path) -> None:
     file, whole = folder / f"own_{kind}.py", f"component = {kind.capitalize()}("
@@ -172,6 +179,7 @@ def test_shipped_components_return_what_is_expected(component: Component) -> Non
 
 
 @pytest.mark.by_day(1)
+@pytest.mark.usefixtures("short")
 @pytest.mark.parametrize(
     ("without", "noted"),
     rows_nightly_but(
@@ -191,6 +199,7 @@ def test_an_obstacle_that_moves_at_no_declared_rate_is_noted(
 
 
 @pytest.mark.by_day(1)
+@pytest.mark.usefixtures("short")
 @pytest.mark.parametrize(
     ("kind", "without", "note"),
     [

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import copy
 from dataclasses import replace
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import pytest
@@ -27,7 +28,7 @@ SEARCHES = (
     {"method": "sqp", "evaluations": 60, "starts": [{"vehicle.m": 4.5}, {"vehicle.m": 5.5, "vehicle.J": 0.048}]},
     {"method": "monte_carlo", "evaluations": 120},
 )
-QUICK = searching(*SEARCHES, scenario__horizon=1.0)
+QUICK = searching(*SEARCHES, scenario__horizon=1.0, stages__certify={"samples": 60})
 """One second of flight: a run takes no time."""
 
 
@@ -38,9 +39,28 @@ def run(asked: Campaign, threads: int = 1) -> Any:
     return outcome(store, conclusion)
 
 
+class Ended(NamedTuple):
+    """A run, and what it reported of each stage last."""
+
+    store: MemoryStore
+    outcome: Any
+    progress: dict[int, Tally]
+
+
 @pytest.fixture(scope="module")
-def whole() -> Any:
-    return run(QUICK)
+def ended() -> Ended:
+    told: dict[int, Tally] = {}
+    store = MemoryStore(sample_seed=DRAWN)
+    conclusion = execute(
+        QUICK, store, progress=lambda position, tally: told.update({position: replace(tally)}), threads=1
+    )
+    audited(store, QUICK)
+    return Ended(store, outcome(store, conclusion), told)
+
+
+@pytest.fixture
+def whole(ended: Ended) -> Any:
+    return ended.outcome
 
 
 def test_the_result_does_not_depend_on_the_threads(whole: Any) -> None:
@@ -77,12 +97,12 @@ def test_a_run_interrupted_anywhere_ends_as_if_it_had_not_been(
 
 
 def test_a_finished_run_without_a_verdict_is_concluded_without_new_evaluations(
-    whole: Any, monkeypatch: pytest.MonkeyPatch
+    ended: Ended, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    store = MemoryStore(sample_seed=DRAWN)
-    execute(QUICK, store, threads=1)
+    store = copy.deepcopy(ended.store)
+    store.verdict = None
     monkeypatch.setattr(Problem, "evaluate", lambda *_: pytest.fail("everything is stored"))
-    assert outcome(store, execute(QUICK, store, threads=1)) == whole
+    assert outcome(store, execute(QUICK, store, threads=1)) == ended.outcome
 
 
 def test_a_run_is_cancelled_between_any_two_requests() -> None:
@@ -98,11 +118,9 @@ def test_a_run_is_cancelled_between_any_two_requests() -> None:
     assert store.stages[2].state == "running"
 
 
-def test_progress_is_reported() -> None:
-    told: dict[int, Tally] = {}
-    store = MemoryStore(sample_seed=DRAWN)
-    execute(QUICK, store, progress=lambda position, tally: told.update({position: replace(tally)}), threads=1)
-    assert {p: t.evaluations for p, t in told.items()} == {
+def test_progress_is_reported(ended: Ended) -> None:
+    store = ended.store
+    assert {p: t.evaluations for p, t in ended.progress.items()} == {
         p: len(c.status) for p in range(len(store.stages)) if (c := store.evaluations(p)) is not None
     }
 

@@ -104,7 +104,7 @@ def test_of_correlated_parameters_that_are_not_normal_only_the_order_is_stated(k
     """No share of the draws follows from the distance in the standard normal space; how many draws are near a point
     shows which is more likely."""
     of = made(*SKEWED[kinds], Triangular(mode=5.0), correlation=correlation)
-    draws = drawn(*SKEWED[kinds], correlation=correlation, count=400_000)
+    draws = drawn(*SKEWED[kinds], correlation=correlation)
     points = np.random.default_rng(5).uniform(STEP, 1.0 - STEP, (40, 2))
     near = [int((np.abs(draws - at) <= STEP).all(axis=1).sum()) for at in points]
     points = np.column_stack([points, np.full(40, 0.5)])

@@ -374,7 +374,7 @@ def test_it_is_written_as_text_of_any_language(tmp_path: Path) -> None:
         ("a: &x {b: 1}\nc: *x\n", {"a": 1, "a.b": 1, "c": 2, "c.b": 1}),
         ("a: [unclosed", {}),
         ("", {}),
-        ("[" * 100_000, {}),
+        ("[" * 20_000, {}),
     ],
 )
 def test_lines_of_any_text(text: str, found: dict[str, int]) -> None:

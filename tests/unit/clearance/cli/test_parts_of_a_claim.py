@@ -58,7 +58,7 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
 SEEDS = {"simulator.noise_seed": {"low": 0.0, "high": 1000.0}}
 
 
-def ran(folder: Path, samples: int = 300, uncertain: Any = SEEDS, a: Any = None, **values: float) -> Any:
+def ran(folder: Path, samples: int = 60, uncertain: Any = SEEDS, a: Any = None, **values: float) -> Any:
     """The result of a run that `clearance audit` confirms."""
     campaign = {
         "name": "one",
@@ -71,7 +71,7 @@ def ran(folder: Path, samples: int = 300, uncertain: Any = SEEDS, a: Any = None,
         "criterion": {"result": "s", "threshold": -9.0},
         "stages": {
             "sensitivity": None,
-            "search": [{"method": "auto", "evaluations": 400}],
+            "search": [{"method": "auto", "evaluations": 150}],
             "certify": {"samples": samples},
         },
     }
@@ -93,7 +93,7 @@ NARROW = {"distribution": {"kind": "truncated_normal", "mean": 0.96, "deviation"
 def test_a_large_sample_elsewhere_hides_nothing_that_a_search_excludes(
     from_a: float, within: bool, folder: Path
 ) -> None:
-    result = ran(folder, 8000, a=NARROW, from_a=from_a)
+    result = ran(folder, 3000, a=NARROW, from_a=from_a)
     counts = result["evaluations"]
     assert counts["excluded"] < 0.1 * counts["stored"]
     assert holds(result, "exclusions") is within

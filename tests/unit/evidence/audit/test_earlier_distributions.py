@@ -3,6 +3,7 @@ redrawn values, and equal values one by one."""
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -11,19 +12,35 @@ import pytest
 from campaigns import Campaign
 from campaigns.asked.load import load_document
 from campaigns.claims.wording import WORDING
-from tests.given.corrupted_records import RUNS, Folder, copied, made, written
+from campaigns.stages import certify
+from campaigns.stored import blocks
+from tests.given.corrupted_records import NORMAL, PAIR, Folder, certifying, copied, counting, made
 from tests.given.sampled_stages import DRAWN
 from tests.simulators import adversaries, noisy
 from tests.simulators.adversaries import Call, adversary
 from worker.engine.stages.parts import claims
 from worker.engine.stages.parts.shape import STEPS, Binned, Ordered
+from worker.evidence.audit import counted
 from worker.evidence.audit.limits import ALIKE
 from worker.running.runs.runner import execute
 from worker.running.runs.store import MemoryStore
 
 Curve = tuple[list[float], list[int]]
-REDRAWN = {"all": "cleared", "lowest": "counted correlations"}
-"""Runs whose sample has values beyond the bounds, which are redrawn, by what is stored of it."""
+CAMPAIGNS: dict[str, Callable[[], Campaign]] = {
+    "all": lambda: certifying(100, uncertain=NORMAL, correlations=PAIR),
+    "lowest": lambda: counting(400, uncertain=NORMAL, correlations=PAIR),
+}
+"""By what is stored of the sample; its values beyond the bounds are redrawn."""
+STORED = {"KEPT": 150, "FIRST": 128}
+"""Of a sample of which only the lowest flights are stored: how many of these, and its first draws."""
+
+
+@pytest.fixture(autouse=True)
+def few_stored(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A sixth of what is stored otherwise, each flight of which is simulated on beyond the horizon."""
+    for module in (certify, blocks, counted):
+        for name, count in STORED.items():
+            monkeypatch.setattr(module, name, count)
 
 
 def stepped(call: Call) -> float:
@@ -45,12 +62,12 @@ def disagreeing(folder: Path, version: int) -> set[str]:
     return {item.name for item in record.items() if item.agrees is False}
 
 
-@pytest.mark.parametrize("name", REDRAWN.values(), ids=REDRAWN)
-def test_a_band_without_redrawn_values(name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    assert disagreeing(written(tmp_path / "today", name), WORDING) == set()
+@pytest.mark.parametrize("stored", CAMPAIGNS)
+def test_a_band_without_redrawn_values(stored: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    assert disagreeing(folder_of(CAMPAIGNS[stored](), tmp_path / "today"), WORDING) == set()
     band = claims.band
     monkeypatch.setattr(claims, "band", lambda samples, confidence, redrawn: band(samples, confidence))
-    folder = folder_of(RUNS[name](), tmp_path / "earlier")
+    folder = folder_of(CAMPAIGNS[stored](), tmp_path / "earlier")
     assert disagreeing(folder, ALIKE - 1) == set()
     assert any(name.endswith("distribution.band") for name in disagreeing(folder, WORDING))
 
@@ -71,7 +88,7 @@ def lowest_one_by_one(of: Binned) -> Curve:
 def test_equal_values_one_by_one(keep: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(adversaries.ADVERSARIES, "stepped", stepped)
     document = noisy.campaign().document()
-    document["stages"]["certify"] = {"samples": 1500 if keep == "lowest" else 200, "keep": keep}
+    document["stages"]["certify"] = {"samples": 400 if keep == "lowest" else 100, "keep": keep}
     campaign = load_document(document)
     with adversary("stepped"):
         assert disagreeing(folder_of(campaign, tmp_path / "today"), WORDING) == set()

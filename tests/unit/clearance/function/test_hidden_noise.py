@@ -84,7 +84,7 @@ def by_default(a: float, b: float, plant: Plant = PLANT) -> float:
 
 
 def searched(call: Callable[..., Any]) -> Result:
-    return clearance.search(call, AB, threshold=1.3, budget=1500, validation=3000)
+    return clearance.search(call, AB, threshold=1.3, methods={"direct": 150, "mlsl": 150}, validation=1500)
 
 
 def failing(result: Result) -> list[str]:

@@ -80,7 +80,7 @@ def searched(way: Callable[[Floats], Floats], threshold: float, lower: float = 0
 
     bounds, nominal = {"x": (0.0, 1.0), "y": (0.0, 1.0)}, {"x": 0.9, "y": 0.9}
     return clearance.search(
-        rounded, bounds, threshold, vectorized=True, budget=500, validation=4000, certify=300, seed=1, nominal=nominal
+        rounded, bounds, threshold, vectorized=True, budget=500, validation=4000, certify=100, seed=1, nominal=nominal
     )
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
+from typing import Any
 from unittest import mock
 
 import numpy as np
@@ -17,6 +18,7 @@ SEARCHES = (
     {"method": "direct", "evaluations": 200},
     {"method": "sqp", "evaluations": 200, "starts": [{"vehicle.m": 4.5, "vehicle.J": 0.05}]},
 )
+FEW: dict[str, Any] = {"stages__certify": {"samples": 60}}
 NORMAL = {
     "vehicle.m": {"plus_minus": "20%", "distribution": {"kind": "normal", "mean": 5.0, "deviation": 0.4}},
     "vehicle.J": {
@@ -28,7 +30,7 @@ NORMAL = {
 
 
 def test_a_violated_run_states_it_everywhere(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    asked = searching(*SEARCHES, uncertain=NORMAL, criterion__threshold=0.943, scenario__horizon=4.0)
+    asked = searching(*SEARCHES, uncertain=NORMAL, criterion__threshold=0.943, scenario__horizon=4.0, **FEW)
     (tmp_path / "campaign.json").write_text(json.dumps(asked.document()))
     files = ["--out", str(tmp_path / "out"), "--junit", str(tmp_path / "j.xml"), "--sarif", str(tmp_path / "s.json")]
     with mock.patch.object(local, "most_likely", wraps=local.most_likely) as computed:
@@ -52,7 +54,7 @@ def test_a_violated_run_states_it_everywhere(tmp_path: Path, capsys: pytest.Capt
 
 @pytest.mark.nightly
 def test_in_a_box_one_line_says_so(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    asked = searching(*SEARCHES, criterion__threshold=0.943, scenario__horizon=4.0)
+    asked = searching(*SEARCHES, criterion__threshold=0.943, scenario__horizon=4.0, **FEW)
     (tmp_path / "campaign.json").write_text(json.dumps(asked.document()))
     assert invoke(["run", str(tmp_path / "campaign.json"), "--junit", str(tmp_path / "j.xml")]) == VIOLATED
     assert capsys.readouterr().out.count("equally likely") == 1

@@ -233,7 +233,7 @@ class Ended:
 
 @pytest.fixture(scope="module")
 def polished() -> Ended:
-    asked = searching({"method": "direct", "evaluations": 60}, scenario__horizon=4.0)
+    asked = searching({"method": "direct", "evaluations": 60}, scenario__horizon=4.0, stages__certify={"samples": 60})
     execute(asked, trial := MemoryStore())
     lowest = [float(c.ranked().min()) for at in range(len(trial.stages)) if (c := trial.evaluations(at)) is not None]
     assert lowest[-1] < min(lowest[:-1])

@@ -27,7 +27,9 @@ INTENDED = {"closest_approach": "the obstacle crosses the goal long after the ve
 
 
 def asked(**changes: Any) -> Campaign:
-    document = searching({"method": "direct", "evaluations": 60}, scenario__horizon=4.0).document()
+    document = searching(
+        {"method": "direct", "evaluations": 60}, scenario__horizon=4.0, stages__certify={"samples": 60}
+    ).document()
     document["criterion"] |= {"threshold": 0.1, "from_centre": True}
     return load_document(document | changes, "the test")
 

@@ -73,7 +73,7 @@ AT_NIGHT = (1, 2, 100, 161, 180, 340)
 
 
 @pytest.mark.by_day(1)
-@pytest.mark.parametrize("k", [11, 225, 342, *(pytest.param(k, marks=pytest.mark.nightly) for k in AT_NIGHT)])
+@pytest.mark.parametrize("k", [11, 225, 402, *(pytest.param(k, marks=pytest.mark.nightly) for k in AT_NIGHT)])
 def test_a_run_interrupted_anywhere_ends_as_if_it_had_not_been(
     k: int, whole: Any, monkeypatch: pytest.MonkeyPatch
 ) -> None:

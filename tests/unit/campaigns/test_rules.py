@@ -16,6 +16,8 @@ from campaigns.stages.found import declared
 from worker.engine.stages.parts import scales
 from worker.evidence.audit import limits as audit
 
+ALL_CHECKS = True
+"""The limits as they are."""
 REPOSITORY = Path(__file__).parents[3]
 PLACES = (
     *("worker/evidence/verdicts", "worker/engine/stages"),

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from campaigns import Campaign
+from campaigns import Campaign, rules
 from campaigns.results.validate import Beyond, ValidateResult
 from campaigns.results.verdict import VerdictWord
 from tests.audited import audited
@@ -67,6 +67,14 @@ def later(store: MemoryStore) -> Beyond:
     return result.encounter.beyond
 
 
+@pytest.fixture
+def usual(monkeypatch: pytest.MonkeyPatch) -> None:
+    """As many evaluations besides the sample are simulated on as in a run."""
+    for module in (encounter, limits):
+        monkeypatch.setattr(module, "OTHERS", rules.OTHERS.value)
+
+
+@pytest.mark.usefixtures("usual")
 def test_what_only_flights_of_a_search_meet_after_the_horizon_is_not_cleared() -> None:
     campaign, store = blind(), MemoryStore(sample_seed=DRAWN)
     conclusion = execute(campaign, store, threads=1)
@@ -110,6 +118,7 @@ def test_how_many_are_not_simulated_on_is_stated(monkeypatch: pytest.MonkeyPatch
     audited(store, campaign)
 
 
+@pytest.mark.usefixtures("usual")
 @pytest.mark.nightly
 def test_of_a_counted_sample_those_that_are_not_stored_are_among_them() -> None:
     campaign, store = counting(3500), MemoryStore(sample_seed=DRAWN)

@@ -102,10 +102,7 @@ def nobody_searched(random: np.random.Generator) -> Attack:
 def horizon_too_short(random: np.random.Generator) -> Attack:
     """The horizon ends before the closest approach, which case 1 has at 3.6 to 5 s."""
     horizon = round(float(random.uniform(0.5, 3.0)), 1)
-    return campaign(
-        "horizon too short", random, NOT_CLEARED, scenario__horizon=horizon, criterion__threshold=0.3,
-        stages__certify={"samples": 60},
-    )  # fmt: skip
+    return campaign("horizon too short", random, NOT_CLEARED, scenario__horizon=horizon, criterion__threshold=0.3)
 
 
 def never_moves(random: np.random.Generator) -> Attack:
@@ -166,7 +163,7 @@ def _switching(name: str, random: np.random.Generator, start: dict[str, float], 
     return campaign(
         name, random, NOT_CLEARED, scenario__avoider={"component": "gnron", "parameters": {}},
         scenario__start=start, scenario__goal={"x": 8.0, "y": 8.0}, uncertain=uncertain, scenario__horizon=12.0,
-        criterion__threshold=threshold, stages__certify={"samples": 60},
+        criterion__threshold=threshold,
     )  # fmt: skip
 
 

@@ -29,16 +29,20 @@ def place(x: float, y: float) -> dict[str, float]:
 
 def beyond(component: str, criterion: str = "separation", **parameters: Any) -> Beyond:
     """What the nominal case meets with this obstacle besides that of case 1."""
+    return met(scene(component, criterion, **parameters))
+
+
+def scene(component: str, criterion: str = "separation", **parameters: Any) -> Campaign:
+    """Case 1 with this obstacle besides its own, and another step."""
     fixed = {"component": "circle", "parameters": {"position": place(4.0, 4.0), "radius": 0.5}}
     moving = {"component": component, "parameters": parameters | {"radius": 0.1}}
-    made = campaign(
+    return campaign(
         scenario__obstacles=[fixed, moving], scenario__horizon=HORIZON, scenario__step=STEP,
         scenario__guidance={"period": STEP}, criterion__component=criterion,
         criterion__from_centre=criterion == "separation",
         scenario__vehicle__parameters__J=0.5,  # stable with that step
         stages__search=[{"method": "direct", "evaluations": 50}],
     )  # fmt: skip
-    return met(made)
 
 
 def met(made: Campaign) -> Beyond:

@@ -10,7 +10,8 @@ import pytest
 
 from campaigns import library, load_file
 from campaigns.asked.load import load_document
-from campaigns.results import SearchResult
+from campaigns.limits import OTHERS
+from campaigns.results import SearchResult, ValidateResult
 from clearance.testing.problems import Problem
 from tests.audited import audited
 from worker.engine.systems.closed_loop.trace import trace
@@ -47,11 +48,12 @@ def test_the_closest_approach_is_the_stored_one() -> None:
     assert closest.value == pytest.approx(0.9435644009164, abs=1e-11)
 
 
-def test_a_whole_run_gives_the_stored_results() -> None:
+def test_the_searches_of_a_whole_run_give_the_stored_results() -> None:
+    """The sample is smaller than that of the library, whose verdict is tested by night, as is what it is based on."""
     # DIRECT's 100 iterations end 4e-3 kg short of the corner, SQP from both published starts ends on it; Monte Carlo
     # with this seed comes within 2e-5 m. The corner is the worst case because d_min falls with both parameters.
     document, store = CASE.document(), MemoryStore()
-    document["stages"]["certify"] = {"samples": 60}  # the certificate is not pinned
+    document["stages"]["certify"] = {"samples": 60}
     case = load_document(document)
     conclusion = execute(case, store, threads=1)
     audited(store, case)
@@ -65,3 +67,7 @@ def test_a_whole_run_gives_the_stored_results() -> None:
     assert found["monte_carlo"].cost == pytest.approx(0.94175796517680, abs=1e-10)
     assert isinstance(results[3], SearchResult)
     assert [m.parameters for m in results[3].minima] == [{"vehicle.m": 6.0, "vehicle.J": 0.06}] * 2
+    beyond = next(r.encounter.beyond for r in results if isinstance(r, ValidateResult) and r.encounter)
+    assert beyond is not None
+    assert beyond.flights == 1 + len(store.findings) + 60 + OTHERS
+    assert beyond.not_continued > 0

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from typing import Any
 
 import pytest
@@ -14,8 +13,7 @@ from tests.audited import audited
 from tests.given.case_campaigns import campaign
 from tests.given.failing_stores import Interrupted, Unreliable, outcome
 from tests.given.sampled_stages import DRAWN
-from worker.engine.stages.parts import driver, encounter
-from worker.evidence.audit import limits
+from worker.engine.stages.parts import driver
 from worker.running.runs.runner import execute
 from worker.running.runs.store import MemoryStore
 
@@ -47,15 +45,6 @@ ASKED: Campaign = campaign(
 def quick(monkeypatch: pytest.MonkeyPatch) -> None:
     """Evaluations are stored a few at a time."""
     monkeypatch.setattr(driver, "FLUSH_ROWS", 7)
-
-
-@pytest.fixture(autouse=True, scope="module")
-def fewer() -> Iterator[None]:
-    """Few evaluations besides the sample are simulated on beyond the horizon."""
-    with pytest.MonkeyPatch.context() as changed:
-        changed.setattr(encounter, "OTHERS", 100)
-        changed.setattr(limits, "OTHERS", 100)
-        yield
 
 
 def run(store: MemoryStore, threads: int) -> Any:

@@ -43,6 +43,7 @@ def ran() -> tuple[MemoryStore, Verdict]:
 
 
 def run(campaign: Campaign) -> tuple[MemoryStore, Verdict]:
+    """With all spot checks; of evaluations besides the sample, a hundred are simulated beyond the horizon."""
     store = MemoryStore(sample_seed=DRAWN)
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(encounter, "OTHERS", 100)

@@ -10,9 +10,11 @@ from typing import Any
 import numpy as np
 import pytest
 
+from clearance.testing.problems import Problem
 from tests.given.at_night import nightly_but
-from tests.given.beyond_horizon import GOAL, HORIZON, beyond, place
+from tests.given.beyond_horizon import GOAL, HORIZON, STEP, beyond, place, scene
 from worker.engine.systems.closed_loop import onward
+from worker.engine.systems.closed_loop.trace import trace
 
 
 def orbit(arrives: float, miss: float, turns: float = 0.7) -> dict[str, Any]:
@@ -34,6 +36,22 @@ def test_an_orbit_is_followed_for_a_whole_turn(horizons: float) -> None:
     assert found.lowest.obstacle == 1
     assert found.lowest.time == pytest.approx((horizons - 1.0) * HORIZON, abs=0.5)
     assert found.lowest.value == pytest.approx(0.4, abs=0.2)
+
+
+def test_distance_and_closing_speed_are_those_at_the_horizon() -> None:
+    turns = orbit(2.3 * HORIZON, 0.4)
+    found = beyond("orbiting_circle", **turns).lowest
+    flight = trace(Problem(scene("orbiting_circle", **turns), compiled=False).system, "nominal", {})
+    (before, now), centre = flight.data[-2:, 1:3], turns["centre"]
+    assert flight.data[-1, 0] == pytest.approx(HORIZON)
+    times = np.array([HORIZON - STEP, HORIZON])
+    angles = turns["phase"] + turns["speed"] * times / turns["way"]
+    places = np.column_stack([centre["x"] + turns["way"] * np.cos(angles), centre["y"] + turns["way"] * np.sin(angles)])
+    apart = np.linalg.norm(places - [before, now], axis=1)
+    assert found is not None
+    assert not found.simulated
+    assert found.distance == pytest.approx(apart[1], rel=1e-9)
+    assert found.closing == pytest.approx((apart[0] - apart[1]) / STEP, rel=1e-6)
 
 
 @pytest.mark.by_day(1)

@@ -68,12 +68,12 @@ def test_the_result_does_not_depend_on_the_threads(whole: Any) -> None:
         assert run(QUICK, threads) == whole
 
 
-AT_NIGHT = (1, 2, 100, 161, 180, 340)
+AT_NIGHT = (1, 2, 100, 161, 180, 225, 340)
 """By day where the first search begins, in the sample and in the validation; test_same_numbers.py has further ones."""
 
 
 @pytest.mark.by_day(1)
-@pytest.mark.parametrize("k", [11, 225, 402, *(pytest.param(k, marks=pytest.mark.nightly) for k in AT_NIGHT)])
+@pytest.mark.parametrize("k", [11, 360, 402, *(pytest.param(k, marks=pytest.mark.nightly) for k in AT_NIGHT)])
 def test_a_run_interrupted_anywhere_ends_as_if_it_had_not_been(
     k: int, whole: Any, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -180,7 +180,7 @@ FLOWN = [
     Slip("a reach that is too small at a corner of the limits", "obstacle", "distance - p.radius,",
          "distance - p.radius - (1.0 if p.swing > 9e3 and p.period < 0.2 else 0.0),", "reach=",
          r"with swing = 10000, period = 0\.1, and a point of its surface is"),
-    Slip("a gap in feet", "obstacle", "distance - p.radius,", "(distance - p.radius) / 0.3048,", "distance - p.radius",
+    Slip("a gap in feet", "obstacle", "distance - p.radius,", "(distance - p.radius) / 0.3048,", "body=",
          r"the gap of body is .* m with the nominal values at a place where, by the gap nearby, the distance to"),
     Slip("a rate of zero of what swings", "obstacle", 'per=("period",), times=TWO_PI', "times=0.0", "rate=",
          r"rate is 0 rad/s with the nominal values, and its velocity turns by .* rad within .* s: declare "),

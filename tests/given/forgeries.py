@@ -280,8 +280,9 @@ def _without_a_stage(folder: Folder) -> None:
     counts |= {"stored": total, "succeeded": total}
     last["encounter"]["spread"]["evaluations"] = total
     beyond = last["encounter"]["beyond"]
-    now = {before: total, beyond["flights"]: beyond["flights"] - gone}
-    beyond["flights"] -= gone
+    of = "not_continued" if beyond["not_continued"] else "flights"
+    now = {before: total, beyond[of]: beyond[of] - gone}
+    beyond[of] -= gone
     folder.lie("evaluations", float(total))
     folder.result["values"]["evaluations"] = float(total)
     folder.result["sentence"] = folder.result["reason"].partition(" Scope: ")[0]

@@ -34,6 +34,8 @@ _UNCERTAIN = {
     Kind.FAULT: "faults.0.offset: {low: -0.3, high: 0.3, unit: m}",
 }
 """A parameter of the component that its campaign makes uncertain."""
+_GAINS = {Kind.ENVIRONMENT: ", parameters: {K_i1: 3.0}"}
+"""On a slope the speed's usual integral gain creeps to the goal for minutes, far beyond the horizon."""
 _CAMPAIGN = """\
 # clearance run {name}.yaml
 name: {title}, a first campaign
@@ -41,7 +43,7 @@ summary: A ground robot passes a post, with the {kind} {name}.
 
 scenario:
   vehicle: {{component: {vehicle}}}
-  controller: {{component: {controller}}}
+  controller: {{component: {controller}{gains}}}
   avoider: {{component: {avoider}}}
   start: {{x: 0.0, y: 0.0}}
   goal: {{x: 6.0, y: 7.0}}
@@ -106,6 +108,7 @@ def _campaign(kind: Kind, name: str, vehicle: str, controller: str) -> str:
     return _CAMPAIGN.format(
         method=SEARCH,
         **parts | {"more": f"\n  {more}: [{{component: {name}}}]" if more else ""},
+        gains=_GAINS.get(kind, ""),
         name=name,
         title=name.replace("_", " ").capitalize(),
         kind=kind,

@@ -8,12 +8,11 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from fractions import Fraction
-from functools import partial
 from typing import Any
 
 import numpy as np
 
-from worker.engine.kernels.cached import cached
+from worker.engine.kernels.cached import compiled
 from worker.engine.kernels.views import STILL
 
 Polynomial = dict[tuple[int, ...], Fraction]
@@ -56,9 +55,8 @@ def simulation(derivative: Any, command: Any, about: AboutTrim, constants: tuple
     stay within the limits until their norm has fallen to that fraction, by RK4; compiled."""
     place, pick, trim, demand, (vehicle, controller) = about.place, about.pick, at.trim, at.demand, constants
     n = len(at.trim)
-    inline = partial(cached, error_model="numpy")
 
-    @inline
+    @compiled
     def rates(x: Any, found: Any) -> None:
         state, memory = place(x, trim)
         inputs, inner = command(0.0, state, memory, demand, controller)
@@ -66,7 +64,7 @@ def simulation(derivative: Any, command: Any, about: AboutTrim, constants: tuple
         for k in range(n):
             found[k] = rate[k]
 
-    @inline
+    @compiled
     def size(x: Any, limits: Any, norm: Any) -> float:
         """x' norm x; infinite beyond the limits. In loops, since an array a step would take most of the time."""
         found = 0.0
@@ -77,7 +75,7 @@ def simulation(derivative: Any, command: Any, about: AboutTrim, constants: tuple
                 found += x[i] * norm[i, j] * x[j]
         return found
 
-    @inline
+    @compiled
     def returns(starts: Any, limits: Any, norm: Any, fall: float, step: float, steps: int) -> Any:
         done = np.zeros(len(starts), np.bool_)
         k, total, y = np.empty(n), np.empty(n), np.empty(n)

@@ -34,22 +34,24 @@ def test_they_are_those_of_numpy(count: int) -> None:
     square = (along**2).sum(axis=1)
     at = np.clip(-(begin * along).sum(axis=1) / np.where(square > 0.0, square, 1.0), 0.0, 1.0)
     low = np.linalg.norm(begin + at[:, None] * along, axis=1) - 0.5 * np.maximum(bent[:-1], bent[1:])
-    assert np.array_equal(samples.nearest(seen, bent), low)
+    assert np.array_equal(samples.nearest(seen), low)
 
 
 def test_no_chord_is_nearer_than_the_least_distance() -> None:
     places = _places(300)
     fine = np.concatenate([places[:-1] + share * np.diff(places, axis=0) for share in np.linspace(0.0, 1.0, 101)])
     true = np.linalg.norm(fine, axis=1).reshape(101, -1).min(axis=0)
-    assert (samples.nearest(places, np.zeros(300)) <= true + 1e-12).all()
-    assert samples.nearest(places, np.zeros(300)) == pytest.approx(true, abs=1e-2)
+    bent = samples.bends(places)
+    chords = samples.nearest(places) + 0.5 * np.maximum(bent[:-1], bent[1:])
+    assert (chords <= true + 1e-12).all()
+    assert chords == pytest.approx(true, abs=1e-2)
 
 
 def test_a_coordinate_that_is_no_number_stays_one() -> None:
     places = _places(9)
     places[4, 1] = NOWHERE
     assert np.array_equal(samples.ends(places), [places.min(axis=0), places.max(axis=0)], equal_nan=True)
-    assert np.isnan(samples.nearest(places, samples.bends(places))).any()
+    assert np.isnan(samples.nearest(places)).any()
 
 
 @pytest.mark.parametrize("values", [[], [2.0], [3.0, 1.0, 2.0], [1.0, 0.0, 1.0, 0.0, 1.0], [5.0, NOWHERE, 4.0, 6.0]])

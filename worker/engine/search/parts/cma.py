@@ -14,9 +14,10 @@ from typing import NamedTuple
 
 import numpy as np
 
+from worker.engine.kernels.cached import compiled
 from worker.engine.search.base import Ended, Floats
 from worker.engine.search.parts.one_thread import one_thread
-from worker.engine.search.racing.state import Ints, compiled, constants, inner
+from worker.engine.search.racing.state import Ints, constants, inner
 
 STEP = 1e-11
 """A strategy stops when its deviations are below this fraction of every range."""

@@ -11,8 +11,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from worker.engine.kernels.cached import compiled
 from worker.engine.search.base import Floats
-from worker.engine.search.racing.state import Ints, compiled, inner
+from worker.engine.search.racing.state import Ints, inner
 
 Rows = NDArray[np.intp]
 Flags = NDArray[np.bool_]

@@ -10,8 +10,9 @@ import math
 
 import numpy as np
 
+from worker.engine.kernels.cached import compiled
 from worker.engine.search.base import Floats
-from worker.engine.search.racing.state import Ints, compiled
+from worker.engine.search.racing.state import Ints
 
 SIGMA, GAMMA = 2.0, 0.3
 """Of the critical distance; the fraction of the sample, the lowest, from which local searches may begin."""

@@ -9,8 +9,9 @@ from __future__ import annotations
 
 import numpy as np
 
+from worker.engine.kernels.cached import compiled
 from worker.engine.search.base import Floats
-from worker.engine.search.racing.state import BEGIN, CMA, Ints, State, compiled, inner
+from worker.engine.search.racing.state import BEGIN, CMA, Ints, State, inner
 
 Random = np.random.Generator
 

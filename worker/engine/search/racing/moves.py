@@ -9,7 +9,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from worker.engine.search.racing.state import BEGIN, CMA, COMPASS, NELDER_MEAD, Ints, State, compiled, inner
+from worker.engine.kernels.cached import compiled
+from worker.engine.search.racing.state import BEGIN, CMA, COMPASS, NELDER_MEAD, Ints, State, inner
 
 Random = np.random.Generator
 

@@ -9,8 +9,9 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from worker.engine.kernels.cached import compiled
 from worker.engine.search.base import Floats
-from worker.engine.search.racing.state import compiled, inner
+from worker.engine.search.racing.state import inner
 
 BLOCK = 1024
 """Number of Sobol points drawn at a time: a power of 2, as the sequence requires."""

@@ -5,30 +5,22 @@ A machine hands a searcher over by setting its kind and requesting no points.
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from typing import Any, NamedTuple, TypeVar, cast
+from typing import Any, NamedTuple, cast
 
 import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from worker.engine.kernels.cached import cached
+from worker.engine.kernels.cached import F, compiled
 from worker.engine.kernels.numba_internals import UNCALLABLE
 from worker.engine.search.base import Floats
 
-F = TypeVar("F", bound=Callable[..., object])
 Ints = NDArray[np.int64]
 
 COMPASS, NELDER_MEAD, CMA = 0, 1, 2
 
 BEGIN = -3
 """The stage of a searcher whose machine starts at its incumbent."""
-
-
-def compiled(function: F) -> F:
-    """Compile the function, with numba's disk cache."""
-    made: Any = cached(function, error_model="numpy")
-    return cast(F, made)
 
 
 def inner(function: F) -> F:

@@ -189,7 +189,7 @@ class Onward:
     ) -> tuple[float, float]:
         """The smallest distance to a vehicle that goes on for a while and then stops, and when [s]; at least that, if
         it is not below a value."""
-        low = _lowest(samples.relative(path.centres, path.times, position, velocity, lasts))
+        low = samples.nearest(samples.relative(path.centres, path.times, position, velocity, lasts))
         values, order = samples.least(low, REFINED + 1)
         best, after = math.inf, 0.0
         for k in (int(k) for k in order[: min(REFINED, len(low))]):
@@ -207,7 +207,7 @@ class Onward:
         step, first = coarse / FINER, (round(self._time / coarse) + k) * FINER
         centres = self._centres(step, first, FINER + 1)
         times = path.times[k] + step * np.arange(FINER + 1)
-        low = _lowest(samples.relative(centres, times, position, velocity, lasts))
+        low = samples.nearest(samples.relative(centres, times, position, velocity, lasts))
         at = int(np.argmin(low))
         return float(low[at]), float(times[at])
 
@@ -219,11 +219,6 @@ def _repeats(centres: Floats, end: int) -> bool:
     moved, bend = np.diff(centres[: end + 2], axis=0), samples.bends(centres[: end + 2])[1:-1]
     place = np.linalg.norm(centres[end] - centres[0]) <= np.linalg.norm(moved, axis=1).max()
     return bool(place and np.linalg.norm(moved[end - 1] - moved[0]) <= 2.0 * bend.max() + 1e-12)
-
-
-def _lowest(relative: Floats) -> Floats:
-    """The least distance from the origin within every interval, (m - 1,)."""
-    return samples.nearest(relative, samples.bends(relative))
 
 
 def leaves(path: Path, position: Floats) -> bool:

@@ -5,26 +5,16 @@ A path that turns fast has tens of thousands of places, and a run follows one fo
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from math import inf, nan, sqrt
-from typing import Any, TypeVar, cast
 
 import numpy as np
 from numpy.typing import NDArray
 
-from worker.engine.kernels.cached import cached
+from worker.engine.kernels.cached import compiled
 from worker.engine.systems.base import Floats
 
-F = TypeVar("F", bound=Callable[..., object])
 
-
-def _compiled(function: F) -> F:
-    """To the bit what numpy computes: neither contracted nor reordered."""
-    made: Any = cached(function, error_model="numpy")
-    return cast(F, made)
-
-
-@_compiled
+@compiled
 def ends(places: Floats) -> Floats:
     """The smallest and the largest coordinates (2, 3) of places (m, 3); NaN of those that have one."""
     found = np.empty((2, 3))
@@ -40,7 +30,7 @@ def ends(places: Floats) -> Floats:
     return found
 
 
-@_compiled
+@compiled
 def relative(places: Floats, times: Floats, position: Floats, velocity: Floats, lasts: float) -> Floats:
     """The places (m, 3) at some times [s] as seen from what starts at a position (3,), and goes on for a while."""
     found = np.empty((len(places), 3))
@@ -51,7 +41,7 @@ def relative(places: Floats, times: Floats, position: Floats, velocity: Floats, 
     return found
 
 
-@_compiled
+@compiled
 def lengths(vectors: Floats) -> Floats:
     """Those of vectors (m, 3)."""
     found = np.empty(len(vectors))
@@ -63,7 +53,7 @@ def lengths(vectors: Floats) -> Floats:
     return found
 
 
-@_compiled
+@compiled
 def bends(places: Floats) -> Floats:
     """The second difference (m,) at every inner one of places (m >= 3, 3); at either end twice that beside it."""
     last = len(places) - 1
@@ -78,10 +68,11 @@ def bends(places: Floats) -> Floats:
     return found
 
 
-@_compiled
-def nearest(places: Floats, bent: Floats) -> Floats:
-    """The least distance from the origin within every interval (m - 1,) of places (m, 3): that of its chord, less what
-    the path may deviate from it, at a corner, too: half of the larger one of the `bends` (m,) at its ends."""
+@compiled
+def nearest(places: Floats) -> Floats:
+    """The least distance from the origin within every interval (m - 1,) of places (m >= 3, 3): that of its chord, less
+    what the path may deviate from it, at a corner, too: half of the larger one of the bends at its ends."""
+    bent = bends(places)
     found = np.empty(len(places) - 1)
     for i in range(len(places) - 1):
         square, along = 0.0, 0.0
@@ -100,7 +91,7 @@ def nearest(places: Floats, bent: Floats) -> Floats:
     return found
 
 
-@_compiled
+@compiled
 def least(values: Floats, count: int) -> tuple[Floats, NDArray[np.int64]]:
     """The smallest values (count,), in their order, and where they are; of equal ones the first. What has no value is
     left out, and NaN stands for what there is not."""

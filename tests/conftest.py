@@ -9,6 +9,8 @@ from worker.running.processes import blas as blas  # before numpy is loaded
 import gc
 import re
 import ssl
+import sys
+from collections.abc import Generator
 from functools import cache
 from importlib import import_module
 
@@ -99,6 +101,17 @@ def pytest_configure() -> None:
     settings.load_profile("clearance")
     gc.disable()
     statements.share()
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_collection() -> Generator[None, object, object]:
+    """Test modules are stored as they are with their assertions rewritten, also where the environment forbids to write
+    what was compiled: it takes half of the collection. Processes that tests start do as the environment says."""
+    forbidden, sys.dont_write_bytecode = sys.dont_write_bytecode, False
+    try:
+        return (yield)
+    finally:
+        sys.dont_write_bytecode = forbidden
 
 
 def load() -> None:

@@ -6,6 +6,7 @@ clearance -> worker -> backend.db -> campaigns; backend -> backend.db, campaigns
 from __future__ import annotations
 
 import ast
+import contextlib
 import re
 import subprocess
 import sys
@@ -79,12 +80,12 @@ MAY: dict[str, tuple[str, ...]] = {
     "worker.engine.physics": ("worker.engine.kernels",),
     # Entries of components follow below: none imports another kind.
     # How an evaluation ended has one home.
-    "worker.engine.search": ("campaigns.results.base", "campaigns.effort"),
+    # Compiled methods are stored as kernels are.
+    "worker.engine.search": ("worker.engine.kernels.cached", "campaigns.results.base", "campaigns.effort"),
     # The probability of rare violations: like a search, it knows points and their costs.
     "worker.engine.rare": ("worker.engine.search.base", "campaigns.results.base"),
     # Regions of attraction: polynomials alone.
     "worker.engine.attraction": ("campaigns.certificates",),
-    # Compiled methods are stored as kernels are.
     "worker.engine.search.racing.state": (
         *("worker.engine.search.base", "worker.engine.kernels.cached", "worker.engine.kernels.numba_internals"),
     ),
@@ -202,6 +203,8 @@ def exists(name: str) -> bool:
 
 STATEMENTS = ast.stmt, ast.ExceptHandler, ast.match_case
 """What contains statements: no expression imports anything."""
+IMPORT = re.compile(r"^[ \t]*((?:from [\w.]+ )?import (?:\([^)]*\)|[^\n(]+))", re.MULTILINE)
+"""A statement that imports, as ruff formats it: on lines of its own."""
 
 
 def statements(tree: ast.AST, types: bool) -> Iterator[ast.AST]:
@@ -211,6 +214,14 @@ def statements(tree: ast.AST, types: bool) -> Iterator[ast.AST]:
         if isinstance(node, STATEMENTS) and not skipped:
             yield node
             yield from statements(node, types)
+
+
+def importing(text: str, types: bool) -> Iterator[ast.AST]:
+    """The statements of a module, or those alone that import: to parse all modules takes seconds."""
+    if types or "TYPE_CHECKING" not in text:
+        with contextlib.suppress(SyntaxError):  # a line of a text, or a parenthesis in a comment
+            return iter(ast.parse("\n".join(IMPORT.findall(text))).body)
+    return statements(ast.parse(text), types)
 
 
 @cache
@@ -224,7 +235,7 @@ def imported(path: Path, types: bool = True) -> frozenset[str]:
         return imported(path)
     found: set[str] = set()
     package = name_of(path).split(".") if path.name == "__init__.py" else name_of(path).split(".")[:-1]
-    for node in statements(ast.parse(text), types):
+    for node in importing(text, types):
         if isinstance(node, ast.Import):
             found.update(alias.name for alias in node.names)
         elif isinstance(node, ast.ImportFrom):

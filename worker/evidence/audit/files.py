@@ -125,19 +125,22 @@ def _rows(
     signs = np.array([-1.0 if one["worse"] == "high" else 1.0 for one in criteria[1:]])
     header = ["stage", "kind", "method", "index", "status", "cost", *further, *campaign.uncertain, "reason"]
     same, states = 0, dict(enumerate(STATUS))
+    stages, indices, codes, first = (each.tolist() for each in (stage, index, status, costs[:, 0]))
     with path.open(newline="", encoding="utf-8") as file:
         table = csv.reader(file)
         if next(table, None) != header:
             return 0
         for k, row in enumerate(table):
-            if k >= len(stage):
+            if k >= len(stages):
                 same -= 1
                 continue
-            of, ok = plan.get(stage[k], {"kind": None, "method": None}), status[k] == OK
-            state, cost = states.get(status[k]), repr(float(costs[k, 0])) if ok else ""
-            beside = [*map(repr, (signs * costs[k, 1:]).tolist())] if ok else [""] * len(further)
-            begin = [str(stage[k]), of["kind"], of["method"] or "", str(index[k]), state, cost, *beside]
-            why = reasons.get(int(stage[k]), {}).get(str(index[k]), "")
+            of, ok = plan.get(stages[k], {"kind": None, "method": None}), codes[k] == OK
+            state, cost = states.get(codes[k]), repr(float(first[k])) if ok else ""
+            beside = [""] * len(further)
+            if ok and further:
+                beside = [*map(repr, (signs * costs[k, 1:]).tolist())]
+            begin = [str(stages[k]), of["kind"], of["method"] or "", str(indices[k]), state, cost, *beside]
+            why = reasons.get(stages[k], {}).get(str(indices[k]), "")
             fits = row == [*begin, *map(repr, values[k].tolist()), safe(why)]
             # What succeeded has no reason, but that of an earlier call that failed.
             same += fits and (not ok or not why or why.startswith(FLAKY))

@@ -76,7 +76,10 @@ def _unknown(name: str, stated: Any, form: Form) -> list[str]:
 
 
 def _beside(stated: Any, written: Any, path: str) -> Iterator[str]:
-    """What is stated under a name that is not written; the other way round, what is absent."""
+    """What is stated under a name that is not written; the other way round, what is absent. What is equal has the same
+    names: most of a record."""
+    if stated == written:
+        return
     if isinstance(stated, dict) and isinstance(written, dict):
         yield from (f"{path}.{name}" for name in sorted(stated.keys() - written.keys()))
         for name in stated.keys() & written.keys():

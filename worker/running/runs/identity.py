@@ -209,7 +209,7 @@ def _guests() -> dict[str, str]:
 def _with_package(home: str) -> list[str]:
     """A module, with the whole package if another one's: it may load any part of itself."""
     places = [name for name, _, _ in _added() if within(home, name)]
-    return [home, *(name for name in loaded() if any(within(name, place) for place in places))]
+    return [home, *(name for name in (loaded() if places else ()) if any(within(name, place) for place in places))]
 
 
 _added = cache(sources.added_places)

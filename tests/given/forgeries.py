@@ -593,9 +593,10 @@ def _other(value: Any) -> Any:
 def accepted(folder: Folder) -> bool:
     """Whether the verdict follows from a record; one that cannot be read is rejected."""
     try:
-        if "files" in folder.evidence:  # a record in the form of an earlier version has no digest
+        sealed = "files" in folder.evidence  # a record in the form of an earlier version has no digest
+        if sealed:
             folder.reseal()
-        return closing(folder.items())[0]
+        return closing(folder.items(write=not sealed))[0]
     except (UnreadableError, CampaignError, ValueError):
         return False
 

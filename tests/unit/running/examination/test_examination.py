@@ -76,9 +76,15 @@ def reported(mistake: Mistake, text: str, slip: Slip) -> None:
     assert not re.search(r"numba|nopython|Traceback|0x", mistake.text, re.IGNORECASE)
 
 
+LATE = {"a reach that is too small after the start"}
+"""What shows only in long simulations."""
+
+
 @pytest.mark.by_day(22)
 @pytest.mark.parametrize("slip", [*READ, *DECLARED, *FLOWN], ids=lambda slip: slip.what)
-def test_a_mistake_is_one_sentence_with_its_line(slip: Slip, folder: Path) -> None:
+def test_a_mistake_is_one_sentence_with_its_line(slip: Slip, folder: Path, request: pytest.FixtureRequest) -> None:
+    if slip.what not in LATE:
+        request.getfixturevalue("short")
     file, text = written(folder, slip)
     with pytest.raises(Mistake) as raised:
         found(file)
@@ -135,6 +141,7 @@ component = Obstacle(
 """
 
 
+@pytest.mark.usefixtures("short")
 @pytest.mark.parametrize("growth", ["0.0", "0.1"])
 def test_a_reach_holds_along_the_states_of_an_obstacle(growth: str, folder: Path) -> None:
     text = (SKELETONS / "obstacle.py").read_text(encoding="utf-8")
@@ -148,7 +155,7 @@ def test_a_reach_holds_along_the_states_of_an_obstacle(growth: str, folder: Path
         source = reading.read(file)
         assert flown(declared_by(source, "worker.engine.components.own.inflated"), source, lambda _: None)
         return
-    with pytest.raises(Mistake, match=r"reach is 0\.5 m .* at t = 2 s"):
+    with pytest.raises(Mistake, match=r"reach is 0\.5 m .* at t = 0\.2 s"):
         found(file)
 
 

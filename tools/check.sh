@@ -7,6 +7,7 @@ source tools/node.sh
 source tools/beside.sh
 
 # They compile a closed loop, fly or search a lot, or start processes: most of the processor time of the two folders.
+# What an edit breaks in them shows in other files too, mostly. tests/unit/repository/test_check.py refuses what is gone.
 SLOW=(
     tests/contract/test_compiled.py
     tests/contract/test_frames.py
@@ -16,21 +17,32 @@ SLOW=(
     tests/contract/test_methods.py
     tests/contract/test_one_method.py
     tests/contract/test_pairs.py
+    tests/unit/backend/db/test_beside.py
     tests/unit/backend/db/test_cli_purge.py
+    tests/unit/backend/requirements/test_uploads.py
     tests/unit/campaigns/asked/test_campaigns_effort.py
     tests/unit/campaigns/densities/test_reweighting.py
+    tests/unit/campaigns/test_expected_values.py
     tests/unit/campaigns/test_library.py
     tests/unit/clearance/cli/test_allow_code.py
     tests/unit/clearance/cli/test_capsule_code.py
     tests/unit/clearance/cli/test_cli.py
     tests/unit/clearance/cli/test_cli_run.py
+    tests/unit/clearance/cli/test_earlier_results.py
     tests/unit/clearance/cli/test_explain.py
+    tests/unit/clearance/cli/test_interrupted.py
     tests/unit/clearance/cli/test_known_regions.py
+    tests/unit/clearance/cli/test_likely.py
+    tests/unit/clearance/cli/test_parts_of_a_claim.py
     tests/unit/clearance/cli/test_replay.py
+    tests/unit/clearance/cli/test_serve_slow_worker.py
     tests/unit/clearance/cli/test_witness.py
     tests/unit/clearance/function/test_arguments.py
     tests/unit/clearance/function/test_functions.py
     tests/unit/clearance/function/test_notebook.py
+    tests/unit/clearance/function/test_rounded.py
+    tests/unit/clearance/function/test_tied.py
+    tests/unit/clearance/function/test_unconfirmed.py
     tests/unit/engine/attraction/test_region.py
     tests/unit/engine/kernels/test_bind.py
     tests/unit/engine/kernels/test_text.py
@@ -50,6 +62,8 @@ SLOW=(
     tests/unit/engine/search/test_nlopt_global.py
     tests/unit/engine/search/test_nsga2.py
     tests/unit/engine/search/test_portfolio.py
+    tests/unit/engine/search/test_scoreboard.py
+    tests/unit/engine/search/test_scoreboard_texts.py
     tests/unit/engine/stages/test_allowance.py
     tests/unit/engine/stages/test_baseline.py
     tests/unit/engine/stages/test_certify.py
@@ -65,24 +79,33 @@ SLOW=(
     tests/unit/engine/stages/test_stages.py
     tests/unit/engine/stages/test_warm.py
     tests/unit/engine/systems/test_ahead.py
+    tests/unit/engine/systems/test_beyond.py
     tests/unit/engine/systems/test_cut_short.py
     tests/unit/engine/systems/test_field.py
+    tests/unit/engine/systems/test_further.py
     tests/unit/engine/systems/test_trace.py
+    tests/unit/engine/systems/test_uniform.py
     tests/unit/evidence/audit/test_absent_parts.py
     tests/unit/evidence/audit/test_audit.py
     tests/unit/evidence/audit/test_baseline_forgeries.py
+    tests/unit/evidence/audit/test_confirmed_cases.py
     tests/unit/evidence/audit/test_counted_forgeries.py
+    tests/unit/evidence/audit/test_earlier_distributions.py
+    tests/unit/evidence/audit/test_earlier_likelihoods.py
     tests/unit/evidence/audit/test_earlier_rules.py
     tests/unit/evidence/audit/test_estimate_forgeries.py
     tests/unit/evidence/audit/test_estimate_modes.py
     tests/unit/evidence/audit/test_estimate_starts.py
     tests/unit/evidence/audit/test_forged_databases.py
     tests/unit/evidence/audit/test_forgeries.py
+    tests/unit/evidence/audit/test_large_nominal.py
     tests/unit/evidence/audit/test_names_of_parameters.py
+    tests/unit/evidence/verdicts/test_called_violations.py
     tests/unit/evidence/verdicts/test_foreseen.py
     tests/unit/evidence/verdicts/test_kinds_of_statement.py
     tests/unit/repository/test_compose.py
     tests/unit/repository/test_readme.py
+    tests/unit/repository/test_sbom.py
     tests/unit/running/catalogue/test_catalog.py
     tests/unit/running/catalogue/test_function_files.py
     tests/unit/running/catalogue/test_own_components.py
@@ -93,12 +116,12 @@ SLOW=(
     tests/unit/running/runs/test_continuation.py
     tests/unit/running/runs/test_files_that_change.py
     tests/unit/running/runs/test_losses.py
+    tests/unit/running/runs/test_reaches.py
     tests/unit/running/runs/test_resume.py
     tests/unit/running/runs/test_sources.py
 )
-# Of files that are quick otherwise: these start several processes, each of which takes seconds.
+# Of files that are quick otherwise: they start several processes, each of which takes seconds.
 STARTING=(
-    tests/contract/test_stages.py::test_a_stage_in_two_files_is_planned_run_stored_and_described_by_the_api
     tests/unit/repository/test_arrows.py::test_what_a_process_loads
 )
 
@@ -115,6 +138,8 @@ frontend_rules() {
 
 "$VENV/bin/ruff" check .
 "$VENV/bin/ruff" format --check .
+# Every process loads these modules, also where the environment forbids to write what was compiled.
+"$VENV/bin/python" -m compileall -q backend campaigns clearance worker
 begin mypy "$VENV/bin/mypy"
 begin tsc frontend_types
 begin oxlint frontend_rules

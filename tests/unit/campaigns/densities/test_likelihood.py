@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from itertools import cycle, product
 from typing import Any
 
 import numpy as np
@@ -14,6 +15,7 @@ from campaigns.claims.spans import values
 from campaigns.densities.joint import joined
 from campaigns.densities.likelihood import Rows, likelihood, most_likely
 from campaigns.results.base import EXCLUDED, FAILED, OK
+from tests.given.at_night import rows_nightly_but
 from tests.given.stated_densities import drawn, made
 
 BELL = Normal(mean=5.0, deviation=0.1)
@@ -98,8 +100,10 @@ STEP = 0.04
 """Half the width of the cells in which draws are counted."""
 
 
-@pytest.mark.parametrize("correlation", [0.9, -0.6])
-@pytest.mark.parametrize("kinds", SKEWED)
+@pytest.mark.parametrize(
+    ("kinds", "correlation"),
+    rows_nightly_but(list(zip(SKEWED, cycle((0.9, -0.6)), strict=False)), product(SKEWED, (0.9, -0.6))),
+)
 def test_of_correlated_parameters_that_are_not_normal_only_the_order_is_stated(kinds: str, correlation: float) -> None:
     """No share of the draws follows from the distance in the standard normal space; how many draws are near a point
     shows which is more likely."""

@@ -12,6 +12,7 @@ import clearance
 from campaigns.codes import CheckCode
 from campaigns.rules import RULES
 from tests.audited import audited
+from tests.given.at_night import nightly_but
 from tests.given.corrupted_records import Folder
 from tests.given.forgeries import accepted
 from worker.engine.stages.parts.grid import grid
@@ -90,7 +91,7 @@ def test_the_step_of_values_is_found_twice(name: str) -> None:
     assert grid(values) == step(values, any_step=True) == pytest.approx(expected, rel=1e-11)
 
 
-@pytest.mark.parametrize("name", WAYS)
+@pytest.mark.parametrize("name", nightly_but(("rounded", "of whole pixels", "to quarters", "single"), WAYS))
 def test_a_margin_below_the_step_of_the_values_is_not_cleared(name: str, tmp_path: Path) -> None:
     found = searched(WAYS[name], THRESHOLDS[name], 0.57 if name == "single" else 0.0)
     assert [c.title for c in found.verdict.checks if c.standing == "fails"] == [RULE.title]

@@ -27,7 +27,7 @@ from worker.running.runs.store import MemoryStore
 
 Curve = tuple[list[float], list[int]]
 CAMPAIGNS: dict[str, Callable[[], Campaign]] = {
-    "all": lambda: certifying(100, uncertain=NORMAL, correlations=PAIR),
+    "all": lambda: certifying(60, uncertain=NORMAL, correlations=PAIR),
     "lowest": lambda: counting(400, uncertain=NORMAL, correlations=PAIR),
 }
 """By what is stored of the sample; its values beyond the bounds are redrawn."""
@@ -88,7 +88,7 @@ def lowest_one_by_one(of: Binned) -> Curve:
 def test_equal_values_one_by_one(keep: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(adversaries.ADVERSARIES, "stepped", stepped)
     document = noisy.campaign().document()
-    document["stages"]["certify"] = {"samples": 400 if keep == "lowest" else 100, "keep": keep}
+    document["stages"]["certify"] = {"samples": 300 if keep == "lowest" else 60, "keep": keep}
     campaign = load_document(document)
     with adversary("stepped"):
         assert disagreeing(folder_of(campaign, tmp_path / "today"), WORDING) == set()

@@ -14,7 +14,7 @@ from tests.given.at_night import nightly_but
 from worker.engine.components import own as own_package
 from worker.running.catalogue import own
 from worker.running.catalogue.installed import components, source_of
-from worker.running.examination import purity, reading
+from worker.running.examination import flying, purity, reading
 from worker.running.examination.declaring import declared_by
 from worker.running.examination.flying import flown
 from worker.running.examination.mistake import Mistake
@@ -276,6 +276,12 @@ def examined(file: Path) -> None:
     flown(component, source, lambda _: None)
 
 
+@pytest.fixture
+def short(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Simulations of three seconds instead of thirty, for what is the same in every step."""
+    monkeypatch.setattr(flying, "LONG", 300)
+
+
 @pytest.mark.by_day(20)
 @pytest.mark.parametrize("bad", [*IMPURE, *LATER], ids=lambda bad: bad.what)
 def test_it_is_refused_with_its_line(bad: Bad, folder: Path) -> None:
@@ -300,16 +306,19 @@ def test_what_does_not_end_is_found_where_it_is(bad: Bad, folder: Path, monkeypa
 LAST = "abs(y) > 1e-9 and n < 9"
 
 
+@pytest.mark.usefixtures("short")
 @pytest.mark.parametrize("test", nightly_but(("n < 50", LAST), ["n < 50", "n <= p.k_goal and abs(y) > 1e-9", LAST]))
 def test_a_loop_that_counts_its_turns_is_permitted(test: str, folder: Path) -> None:
     loop = f"n = 0\n    while {test}:\n        y = 0.5 * y\n        n += 1"
     examined(written(folder, Bad("", "", loop, "", "")))
 
 
+@pytest.mark.usefixtures("short")
 def test_a_set_that_is_only_tested_is_permitted(folder: Path) -> None:
     examined(written(folder, Bad("", "K = 1.0 if 'a' in {'a', 'b'} else 0.0", "x = x + K", "", "")))
 
 
+@pytest.mark.usefixtures("short")
 def test_what_only_the_program_reads_is_permitted(folder: Path) -> None:
     main = "if __name__ == '__main__':\n    print(open(__file__).read())"
     examined(written(folder, Bad("", f"import sys\nsys.path.append('/nowhere')\n{main}", "x = x + 0.0", "", "")))

@@ -29,7 +29,7 @@ from worker.running.catalogue.entries import component_entry
 from worker.running.runs import reaches, runner
 from worker.running.runs.store import MemoryStore
 
-HORIZON = 5.0
+HORIZON = 2.0
 
 
 class Post(NamedTuple):

@@ -65,6 +65,8 @@ def own_modules(used: Iterable[Component]) -> tuple[str, ...]:
 
 _HOMES: dict[int, str] = {}
 """The modules that declare the components, by the components' identity."""
+_SHIPPED: dict[int, ComponentEntry] = {}
+"""What is shipped as data, by its identity: described once, however often simulators are looked for again."""
 
 
 @cache
@@ -231,12 +233,15 @@ def catalogue() -> Catalogue:
 def _entry(component: Component) -> ComponentEntry:
     """A component as data, of criteria that are not shipped with the digest of their code; shipped faults that read
     the time and declare no switches do not jump."""
-    entry = component_entry(component, source_of(component))
     home = _HOMES.get(id(component), "")
-    shipped = home.startswith("worker.engine.components.") and not home.startswith(f"{own.PACKAGE}.")
-    if isinstance(component, Fault | Environment) and not shipped:
+    if home.startswith("worker.engine.components.") and not home.startswith(f"{own.PACKAGE}."):
+        if id(component) not in _SHIPPED:
+            _SHIPPED[id(component)] = component_entry(component, source_of(component))
+        return _SHIPPED[id(component)]
+    entry = component_entry(component, source_of(component))
+    if isinstance(component, Fault | Environment):
         return entry.model_copy(update={"unswitched": unswitched(component)})
-    if component.role != "criterion" or shipped:
+    if component.role != "criterion":
         return entry
     paths = {f"{own.PACKAGE}.{file.stem}": file for file in own.files()}
     code = own.code_of(home, paths) if home.startswith(f"{own.PACKAGE}.") else own.code_of_package(home)

@@ -7,8 +7,8 @@ from pathlib import Path
 
 import pytest
 
-from backend.db.engine import default_url, migrate
 from clearance.cli import INTERNAL, login_link, serve
+from tests.migrated import migrated
 from worker.running.processes.lifeline import Wakeup
 from worker.running.processes.supervisor import START
 
@@ -17,8 +17,7 @@ from worker.running.processes.supervisor import START
 def test_the_service_stays_up_without_a_worker(
     tmp_path: Path, healthy: bool, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    url = default_url(tmp_path)
-    migrate(url)
+    url = migrated(tmp_path)
     (tmp_path / login_link.ADDRESS_FILE).write_text("http://here")
     monkeypatch.setattr(serve, "PATIENCE", 0.2)
     monkeypatch.setattr(serve, "_answers", lambda address: healthy)

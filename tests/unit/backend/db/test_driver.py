@@ -20,7 +20,7 @@ def test_it_is_refused_with_the_package_that_is_missing(
     with pytest.raises(ValueError, match=r"psycopg\[binary\]"):
         connect(SERVER)
     monkeypatch.chdir(tmp_path)
-    for words in (["worker"], ["serve"], ["token", "list"]):
+    for words in (["worker"], ["serve", "--port", "0"], ["token", "list"]):
         assert invoke([*words, "--database", SERVER]) == WRONG_INPUT, words
         said = capsys.readouterr().err
         assert "psycopg[binary]" in said

@@ -106,6 +106,7 @@ def test_the_audit_has_the_same_limits() -> None:
         "NEAREST",
         "EACH",
         "PARTS",
+        "CARRIED",
         "CLEARING",
         "BOTTOM",
         "TOP",

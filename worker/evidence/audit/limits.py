@@ -69,9 +69,12 @@ PARTS = 22
 """The version since which a case of a baseline is evaluated on the obstacles and faults on which it was found, wherever
 they are listed, a seed that every call of a function has bars, and what comes straight to where a vehicle that slows
 down will stand is not known."""
+CARRIED = 23
+"""The version since which what carries a circling vehicle on, rounds that grow and the wide circle of a slight turn are
+followed, and an obstacle that each turn moves on by a hair's breadth does not repeat its path."""
 BOTTOM, TOP, MANY = 0.1, 0.9, 100
 """A nominal value is far above so many costs if none is between these fractions of its height."""
-CLEARING = max(ROUNDED, LOWEST, SHARED, AFTER, HALVED, WIDER, ALIKE, MEASURED, GRANTED, NEAREST, EACH, PARTS)
+CLEARING = max(ROUNDED, LOWEST, SHARED, AFTER, HALVED, WIDER, ALIKE, MEASURED, GRANTED, NEAREST, EACH, PARTS, CARRIED)
 """The version since which the rules that can withdraw "cleared" are those of today."""
 RULES = max(CLEARING, BASINS, BASELINES, BESIDE, TAILS, CALLED, VIOLATING, WHOLE)
 """The version since which the rules are those of today."""

@@ -13,7 +13,7 @@ import pytest
 from clearance.testing.problems import Problem
 from tests.given.at_night import nightly_but
 from tests.given.beyond_horizon import GOAL, HORIZON, STEP, beyond, place, scene
-from worker.engine.systems.closed_loop import onward
+from worker.engine.systems.closed_loop import onward, samples
 from worker.engine.systems.closed_loop.trace import trace
 
 
@@ -138,20 +138,32 @@ def around(turns: float, count: int = 400, squeezed: float = 1.0) -> np.ndarray[
     return np.stack([np.cos(angle), squeezed * np.sin(angle), 0.0 * angle], axis=1)
 
 
-@pytest.mark.parametrize(
-    ("centres", "repeats"),
-    [
-        (around(1.0), True),
-        (around(2.0), True),
-        (around(1.002), True),
-        (around(1.0, squeezed=0.0), True),
-        (around(0.9), False),
-        (around(1.5), False),
-        (np.outer(np.sin(np.pi * np.arange(402) / 400), (1.0, 0.0, 0.0)), False),
-    ],
-)
-def test_a_path_repeats_if_place_and_velocity_do(centres: Any, repeats: bool) -> None:
-    assert onward._repeats(centres, len(centres) - 2) == repeats
+class Prescribed(onward.Onward):
+    """The motion of an obstacle that is on a circle of 9 m, and moves on by something in each turn of 2 s [m]."""
+
+    def __init__(self, *each: float, turns: float = 1.0, squeezed: float = 1.0) -> None:
+        self._each, self._turns, self._squeezed, self._time = np.array(each), turns, squeezed, 73.7
+
+    def _centres(self, step: float, first: int, count: int) -> np.ndarray[Any, np.dtype[np.float64]]:
+        turns = 0.5 * step * (first + np.arange(count))
+        angle = 2.0 * math.pi * self._turns * turns
+        on = np.stack([9.0 * np.cos(angle), 9.0 * self._squeezed * np.sin(angle), 0.0 * angle], axis=1)
+        return on + np.outer(turns, self._each)
+
+
+@pytest.mark.parametrize("squeezed", [1.0, 0.0])
+@pytest.mark.parametrize("turns", [1.0, 2.0])
+@pytest.mark.parametrize("axis", range(3))
+@pytest.mark.parametrize("each", [0.0, 1e-9, 1e-4, -0.03, 2.0])
+def test_a_path_repeats_if_no_turn_moves_it_on(turns: float, squeezed: float, axis: int, each: float) -> None:
+    """By a hair's breadth, or in a direction in which it does not move otherwise."""
+    onwards = Prescribed(*(each * (k == axis) for k in range(3)), turns=turns, squeezed=squeezed)
+    assert onwards._returns(2.0) == (each == 0.0)
+
+
+@pytest.mark.parametrize("turns", [0.0, 0.9, 0.999, 1.001, 1.5])
+def test_what_is_elsewhere_after_a_turn_or_never_moves_repeats_nothing(turns: float) -> None:
+    assert not Prescribed(0.0, 0.0, 0.0, turns=turns)._returns(2.0)
 
 
 @pytest.mark.parametrize("seed", range(5))
@@ -163,7 +175,7 @@ def test_no_point_of_a_path_is_closer_than_the_bound_of_its_interval(seed: int) 
     stops = np.minimum(np.arange(1001.0), random.uniform(1.0, 30.0))[:, None] * (0.01, 0.0, 0.0) - (0.1, 0.0, 0.0)
     for path, each, loose in ((dense, 37, 0.15), (turn, 64, 0.15), (stops, 100, 0.3)):
         path = path[: (len(path) - 1) // each * each + 1]
-        bound, true = onward._lowest(path[::each]), np.linalg.norm(path, axis=1)
+        bound, true = samples.nearest(path[::each]), np.linalg.norm(path, axis=1)
         lowest = [true[k * each : (k + 1) * each + 1].min() for k in range(len(bound))]
         assert (bound <= np.array(lowest) + 1e-12).all()
         assert bound.min() == pytest.approx(true.min(), abs=loose)

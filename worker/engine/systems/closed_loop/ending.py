@@ -14,6 +14,7 @@ from typing import NamedTuple
 import numpy as np
 
 from worker.engine.systems.base import Floats
+from worker.engine.systems.closed_loop import samples
 from worker.engine.systems.closed_loop.ahead import SAME, Ahead, Leg
 from worker.engine.systems.closed_loop.further import (
     MOMENTS,
@@ -27,8 +28,12 @@ from worker.engine.systems.closed_loop.further import (
     turning,
 )
 from worker.engine.systems.closed_loop.onward import Onward, Path, leaves, motion
+from worker.engine.systems.closed_loop.rounds import onto
 from worker.engine.systems.closed_loop.trace import Seen
 from worker.engine.systems.closed_loop.uniform import pivots, uniform
+
+ASIDE = 0.01
+"""A wide circle may be aside by this fraction of the way on it."""
 
 
 class Approach(NamedTuple):
@@ -42,6 +47,11 @@ class Approach(NamedTuple):
     known: bool = True
     vehicle: bool = False
     goal: float | None = None
+
+
+def _about(value: float, reach: float) -> float:
+    """The criterion's value for a place, less how far the vehicle may be from it; less than 0 is no distance."""
+    return max(value - reach, min(value, 0.0))
 
 
 def by_value(approach: Approach) -> float:
@@ -88,6 +98,8 @@ class End:
     def turning(self) -> Iterator[Approach]:
         """What a vehicle comes to that turned and may turn on, which is not known."""
         further = self._further()
+        yield from self._rounds(further)
+        yield from self._bending(further)
         lasts = further.turns(self._horizon)
         if lasts == 0.0:
             return
@@ -96,6 +108,33 @@ class End:
         times = np.minimum(times, lasts)
         distance, when = turning(relative, self._own, further.turned, further.half, times, further.steady)
         yield from self._open(distance - self._extent, when, vehicle=True)
+
+    def _rounds(self, further: Remaining) -> Iterator[Approach]:
+        """What is on the way of rounds that are carried on; everything, of those that grow."""
+        goes = further.rounds
+        if goes is None:
+            return
+        if goes.grows > 0.0:
+            yield from self._open(-self._extent, float(np.linalg.norm(self._relative)) / goes.grows, vehicle=True)
+            return
+        known = self._path.centres if self._path else (self._place + self._relative)[None]
+        straight = self._drift if self._moves.kind == "straight" else np.zeros(3)
+        distance, when = goes.nearest(known, straight)
+        yield from self._open(max(distance, 0.0) - self._extent, when, vehicle=True)
+        lowest = min(self._going(goes.lasts, goes.centre, goes.carried), key=by_value)
+        yield from self._open(_about(lowest.value, goes.reach), lowest.time - self._since, vehicle=True)
+
+    def _bending(self, further: Remaining) -> Iterator[Approach]:
+        """What is on the wide circle of a vehicle that turns slightly."""
+        if further.bend is None:
+            return
+        once = 2.0 * math.pi / float(np.linalg.norm(further.bend))
+        times = self._path.times if self._path else np.linspace(0.0, once, MOMENTS)
+        centres = self._path.centres if self._path else self._place + self._relative + np.outer(times, self._drift)
+        low = samples.nearest(centres - onto(self._place, self._own, further.bend, times))
+        low -= ASIDE * float(np.linalg.norm(self._own)) * times[:-1]
+        k = int(np.argmin(low))
+        yield from self._open(float(low[k]) - self._extent, float(times[k]), vehicle=True)
 
     def arriving(self) -> Iterator[Approach]:
         """What a vehicle under way to its goal comes to after that is not known, unless it slows down to come to rest
@@ -139,8 +178,12 @@ class End:
     def _bound(self) -> float | None:
         """What is subtracted from distances to the centre of an obstacle that is followed, which have a bound within
         every interval of its path [m]; None if the criterion itself has to be read at its steps."""
+        return self._less(self._own)
+
+    def _less(self, own: Floats) -> float | None:
+        """The same, of what moves on with another velocity."""
         extent = None if self._path is None else self._ahead.extent(self._index)
-        there = self._place + self._horizon * self._own
+        there = self._place + self._horizon * own
         return None if extent is None or self._ahead.leans(self._index, self._place, there) else extent
 
     @cached_property
@@ -164,9 +207,8 @@ class End:
         if self._obstacle.moving:
             stops, about = min(self._going(0.0), key=by_value), self._further().about
             yield stops
-            if about > 0.0:  # it comes to the place that the vehicle keeps moving about; less than 0 is no distance
-                low = max(stops.value - about, min(stops.value, 0.0))
-                yield from self._open(low, stops.time - self._since, vehicle=True)
+            if about > 0.0:  # it comes to the place that the vehicle keeps moving about
+                yield from self._open(_about(stops.value, about), stops.time - self._since, vehicle=True)
         reached = [*self._going(self._horizon)]
         yield from reached
         lowest = min(reached, key=by_value) if self._path else reached[0]
@@ -197,9 +239,11 @@ class End:
         """Whether an approach is later than a vehicle that goes on is followed, or at the end of that."""
         return approach.time - self._since >= self._horizon * (1.0 - SAME)
 
-    def _going(self, lasts: float) -> Iterator[Approach]:
-        """The lowest approaches of a vehicle that goes straight on for a while [s], and that then stands."""
-        path, place, own, less = self._path, self._place, self._own, self._bound
+    def _going(self, lasts: float, place: Floats | None = None, own: Floats | None = None) -> Iterator[Approach]:
+        """The lowest approaches of a vehicle that goes straight on for a while [s], and that then stands; of what goes
+        from another place, with another velocity, if given."""
+        path, less = self._path, self._bound if own is None else self._less(own)
+        place, own = self._place if place is None else place, self._own if own is None else own
         end = math.inf if path is None else float(path.times[-1])
         if path is not None and less is not None:
             shown = path.begun(end - self._horizon) if path.repeats and lasts == 0.0 else path

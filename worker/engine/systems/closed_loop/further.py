@@ -16,6 +16,7 @@ from worker.engine.systems.base import Floats
 from worker.engine.systems.closed_loop import samples
 from worker.engine.systems.closed_loop.flights import Flights
 from worker.engine.systems.closed_loop.onward import Path, at_rest
+from worker.engine.systems.closed_loop.rounds import Rounds, bend, fitted, rounds
 from worker.engine.systems.closed_loop.trace import Seen
 
 STRAIGHT = 0.5
@@ -36,6 +37,10 @@ TOWARDS = 0.5
 PAST = 2.0
 """A vehicle that slows down passes its goal if it would get so many times as far; one that comes to rest there gets as
 far as it is."""
+ARC = 1.0
+"""Of one that turned steadily by such an angle [rad] it shows whither its circle is carried."""
+FOLLOWED = 20_000
+"""Steps of a flight, all of which are looked at if a vehicle keeps about a place."""
 MOMENTS = 1000
 """For which a turn is followed."""
 SLACK = 1e-9
@@ -46,13 +51,16 @@ class Remaining(NamedTuple):
     """lasts: how long the vehicle goes on with the velocity of the last step to get as far as it will [s]; about: how
     far from its last place it may be later, where it keeps moving about that [m]; turned: the largest angle between its
     last velocity and those in the last half horizon [rad], which is half [s]; steady: whether it turned as much in the
-    latter half of that."""
+    latter half of that; rounds: of one that goes round, if they do not stay where they are; bend: the angular velocity
+    (3,) of one that turns evenly by less than is steady [rad/s]."""
 
     lasts: float = 0.0
     about: float = 0.0
     turned: float = 0.0
     steady: bool = False
     half: float = 0.0
+    rounds: Rounds | None = None
+    bend: Floats | None = None
 
     def turns(self, horizon: float) -> float:
         """How long it may turn on [s]: for some horizons, if it turned steadily until it has gone round."""
@@ -66,10 +74,22 @@ def remaining(flights: Flights, row: Floats, trace: Floats, pair: Floats, last: 
     if at_rest(pair, flights):
         return Remaining(half=half)
     every = max(1, (last - halfway) // INTERVALS)
-    each = every * flights.step
-    states = np.ascontiguousarray(trace[last % every : last + 1 : every])
-    places = Seen(flights, flights.loop.observe(states, row, each, 0), row).positions
-    return going(places, (last - halfway) // every, each)._replace(half=half)
+    late, each = (last - halfway) // every, every * flights.step
+    places = _places(flights, row, trace[: last + 1], every)
+    found = going(places, late, each)._replace(half=half)
+    if found.about > 0.0:
+        every = max(1, last // FOLLOWED)
+        places = _places(flights, row, trace[: last + 1], every)
+        return found._replace(rounds=rounds(places, (last - halfway) // every, every * flights.step))
+    if found.steady:
+        return found._replace(rounds=fitted(places[-1 - late :], each) if found.turned >= ARC else None)
+    return found._replace(bend=bend(places[-1 - late :], each) if found.turned < STEADY[1] else None)
+
+
+def _places(flights: Flights, row: Floats, trace: Floats, every: int) -> Floats:
+    """Where the vehicle was at its last step, and every so many before."""
+    states = np.ascontiguousarray(trace[(len(trace) - 1) % every :: every])
+    return Seen(flights, flights.loop.observe(states, row, every * flights.step, 0), row).positions
 
 
 def going(places: Floats, late: int, each: float) -> Remaining:

@@ -27,6 +27,8 @@ MOST = 2**16
 """Intervals; what takes longer is cut, and not known."""
 REFINED = 16
 """So many intervals are divided at most."""
+PHASES, MANY, EXACTLY = 16, 1000, 1e-9
+"""A motion repeats that is in so many parts of a turn where it was, after one and after many, to this fraction."""
 FAR = 397.3
 """So many horizons later the mean of a velocity is taken; no round number, because motions may repeat."""
 STEADY = 1e-3
@@ -146,10 +148,12 @@ class Onward:
         return Path(step * np.arange(count + 1, dtype=np.float64), found[:-1], whole, rests, repeats, cut)
 
     def _returns(self, turn: float) -> bool:
-        """Whether it is after a turn as it was before."""
-        step, first = self._interval(turn / SAMPLES)
-        end = round(turn / step)
-        return 0 < end <= MOST and _repeats(self._centres(step, first, end + 2), end)
+        """Whether it moves, and is after a turn and after many where it was before: a hair's breadth a turn adds up."""
+        step = turn / PHASES
+        first = math.ceil(self._time / step)
+        now, after, later = (self._centres(step, first + k * PHASES, PHASES) for k in (0, 1, MANY))
+        slack = EXACTLY * (1.0 + float(np.abs(now).max()))
+        return _moves(now) and bool(max(np.abs(after - now).max(), np.abs(later - now).max()) <= slack)
 
     def _interval(self, least: float) -> tuple[float, int]:
         """An interval that is not shorter [s], and how many there were so far: the loop is observed at multiples of a
@@ -210,15 +214,6 @@ class Onward:
         low = samples.nearest(samples.relative(centres, times, position, velocity, lasts))
         at = int(np.argmin(low))
         return float(low[at]), float(times[at])
-
-
-def _repeats(centres: Floats, end: int) -> bool:
-    """Whether place and velocity are again what they were, as exactly as the intervals can tell; not those at rest."""
-    if not _moves(centres[: end + 1]):
-        return False
-    moved, bend = np.diff(centres[: end + 2], axis=0), samples.bends(centres[: end + 2])[1:-1]
-    place = np.linalg.norm(centres[end] - centres[0]) <= np.linalg.norm(moved, axis=1).max()
-    return bool(place and np.linalg.norm(moved[end - 1] - moved[0]) <= 2.0 * bend.max() + 1e-12)
 
 
 def leaves(path: Path, position: Floats) -> bool:

@@ -222,8 +222,8 @@ RULES = (
         f"{CONTINUED.value:g} times the horizon, or until they fail, and extrapolated from there. An obstacle whose "
         "further motion is not known, because it has states or neither repeats its path nor ends it, is then at rest "
         "or moves away at a constant velocity. If the vehicle goes straight on, or circles, for even longer, as far "
-        "as it gets, it does not come to the threshold, nor to its goal, where it may turn, unless every obstacle moves "
-        "away faster.",
+        "as it gets, it does not come to the threshold, nor to its goal, where it may turn, unless every obstacle "
+        "moves away faster.",
         ("validate",),
         RemedyKind.HORIZON,
         "The closest approach may be at the start or at the end of the horizon, and flights may come closer beyond it "

@@ -20,11 +20,11 @@ from worker.engine.systems.closed_loop.trace import Seen
 
 Points = np.ndarray[Any, np.dtype[np.float64]]
 EACH, LATE = 0.04, 500
-TIMES = EACH * np.arange(2001)
+TIMES: Points = EACH * np.arange(2001.0)
 """Twice a horizon of 40 s; the last half of one is late."""
 
 
-def along(x: Points, y: Points, z: Points | float = 0.0) -> Points:
+def along(x: Any, y: Any, z: Any = 0.0) -> Points:
     return np.stack([x, y, z + 0.0 * x], axis=1)
 
 
@@ -66,10 +66,17 @@ def test_rounds_that_grow_may_get_anywhere_and_those_that_shrink_stay(places: Po
 
 
 def test_rounds_that_are_carried_more_and_more_slowly_get_as_far_as_that() -> None:
-    settles = SHAPES["a circle"] - along(40.0 * np.exp(-0.08 * TIMES), 0.0 * TIMES)
+    settles = SHAPES["a circle"] - along(40.0 * np.exp(-0.02 * TIMES), 0.0 * TIMES)
     found = rounds.rounds(settles, LATE, EACH)
     assert found is not None
-    assert found.lasts == pytest.approx(1.0 / 0.08, rel=0.1)
+    assert found.lasts == pytest.approx(1.0 / 0.02, rel=0.1)
+
+
+@pytest.mark.parametrize("seed", range(10))
+def test_what_differs_from_round_to_round_is_not_carried_on(seed: int) -> None:
+    """As about a goal: each round ends elsewhere, none gets away."""
+    wanders = np.interp(TIMES, np.linspace(0.0, 80.0, 14), np.random.default_rng(seed).normal(0.0, 1.0, 14))
+    assert rounds.rounds(SHAPES["a circle"] + along(wanders, 0.7 * wanders[::-1]), LATE, EACH) is None
 
 
 def test_rounds_that_are_not_yet_steady_may_be_carried_aside() -> None:

@@ -39,8 +39,8 @@ PAST = 2.0
 far as it is."""
 ARC = 1.0
 """Of one that turned steadily by such an angle [rad] it shows whither its circle is carried."""
-FOLLOWED = 20_000
-"""Steps of a flight, all of which are looked at if a vehicle keeps about a place."""
+FOLLOWED = 2000
+"""Of a flight, about so many places are looked at if the vehicle keeps about one."""
 MOMENTS = 1000
 """For which a turn is followed."""
 SLACK = 1e-9

@@ -8,6 +8,7 @@ that swells by s. Start reading at `rounds`.
 from __future__ import annotations
 
 import math
+from math import sqrt
 from typing import NamedTuple
 
 import numpy as np
@@ -18,6 +19,9 @@ from worker.engine.systems.closed_loop import samples
 
 LEAST = 1e-3
 """Rounds that move or grow by this fraction of their extent have not stayed."""
+ALIKE, SLOWS = 0.5, 0.7
+"""By what fraction of their mean rounds may differ that are all carried on, or grow; and of what they were carried at
+first that is left where that becomes less."""
 LOOSE, EVEN = 0.5, 1.0 / 6.0
 """The same, of what moves about irregularly, from the first to the last quarter of the time in which it is seen; of
 that, the least part from each quarter to the next."""
@@ -27,6 +31,8 @@ FITS = 0.02
 """The largest difference of velocity changes from those of a circle, as a fraction of them."""
 COUNTED = 128
 """So many velocities of a round are compared, about."""
+SHORTEST = 4
+"""Rounds are taken together that are shorter than the late part by this factor."""
 FEWEST = 8
 """Places that show a round, at least."""
 
@@ -70,9 +76,9 @@ def rounds(places: Floats, late: int, each: float) -> Rounds | None:
     if len(places) < FEWEST:
         return None
     moved = places[1:] - places[:-1]
-    count = _returning(moved, len(moved) // 2, late)
-    if count >= FEWEST:
-        return _repeated(places, count, each)
+    count = _returning(moved, max(FEWEST, late // SHORTEST), len(moved) // 2)
+    if count:
+        return _repeated(places, count, late, each)
     return fitted(places[-late - 1 :], each) if _circular(moved[-late:]) else _irregular(places[-late - 1 :], each)
 
 
@@ -102,7 +108,8 @@ def bend(places: Floats, each: float) -> Floats | None:
         return None
     angles = np.arctan2(samples.lengths(np.cross(moved, moved[-1])), moved @ moved[-1])
     evenly = np.linspace(angles[0], 0.0, len(angles))
-    if angles[0] < LEAST or np.abs(angles - evenly).max() > 2.0 * FITS * angles[0]:
+    # The less it turns, the longer it takes to go round, for which that has to stay the same.
+    if angles[0] < LEAST or np.abs(angles - evenly).max() * 2.0 * math.pi > FITS * angles[0] * angles[0]:
         return None
     found: Floats = np.cross(moved[0], moved[-1])
     rate = float(angles[0]) / (each * (len(moved) - 1))
@@ -118,47 +125,74 @@ def onto(place: Floats, velocity: Floats, turn: Floats, times: Floats) -> Floats
     return found + np.outer(rest, np.cross(turn, velocity))
 
 
-def _repeated(places: Floats, count: int, each: float) -> Rounds | None:
-    """Those of what returns to its velocity after about so many intervals."""
-    moved, lasts, rest = _period(places, count, each)
-    last, before = places[-count:], places[-2 * count : -count]
-    centre, apart = last.mean(axis=0), float(np.linalg.norm(moved))
+def _repeated(places: Floats, count: int, late: int, each: float) -> Rounds | None:
+    """Those of what returns to its velocity after about so many intervals. What differs from round to round, as about a
+    goal, is not carried on: only what every one does."""
+    several = max(1, min(math.ceil(2 * late / count), (len(places) - 1) // count - 1))
+    until = [places[: len(places) - k * count] for k in range(several, -1, -1)]
+    found = [_period(part, count, each) for part in until[1:]]
+    moved, (now, lasts, rest), last = np.array([each[0] for each in found]), found[-1], places[-count:]
+    centre = last.mean(axis=0)
     reach = float(samples.lengths(last - centre).max())
     least = LEAST * reach + 0.5 * math.sqrt(float((rest * rest).sum(axis=1).mean()))
-    growth = _spread(last) - _spread(before)
-    grows = growth > least and not _slower(growth, before, places[-3 * count : -2 * count])
-    if not grows and apart <= least:
+    usual = moved.mean(axis=0)
+    apart = float(np.linalg.norm(usual))
+    carried = apart > least and bool((samples.lengths(moved - usual) <= ALIKE * apart).all())
+    spreads = np.array([_spread(part, count, usual * (each / lasts)) for part in until])
+    growth = float(spreads[-1] - spreads[0])
+    grows = growth > least and bool((np.diff(spreads) >= ALIKE * growth / several).all())
+    if not carried and not grows:
         return None
-    goes, half = math.inf, count // 2
-    differs = 2.0 * (rest[-half:].mean(axis=0) - rest[:half].mean(axis=0))
-    if len(places) > 3 * count:
-        earlier = _period(places[:-count], count, each)[0]
-        differs, far = moved - earlier, float(np.linalg.norm(earlier))
-        goes = lasts / math.log(far / apart) if apart < 0.5 * far else math.inf
+    half = count // 2
+    differs = now - moved[-2] if several > 1 else 2.0 * (rest[-half:].mean(axis=0) - rest[:half].mean(axis=0))
     aside = float(np.linalg.norm(differs)) / lasts
-    return Rounds(centre, reach, moved / lasts, aside, goes, growth / lasts if grows else 0.0)
+    return Rounds(centre, reach, now / lasts, aside, lasts * _slows(moved), growth / (several * lasts) * grows)
 
 
-def _slower(growth: float, before: Floats, earlier: Floats) -> bool:
-    """Whether rounds grew by twice as much before."""
-    return len(earlier) == len(before) and 2.0 * growth < _spread(before) - _spread(earlier)
+def _slows(moved: Floats) -> float:
+    """How many rounds as long as the last one is what is carried on less and less still gets."""
+    half = len(moved) // 2
+    if half == 0:
+        return math.inf
+    before, now = (float(np.linalg.norm(part.mean(axis=0))) for part in (moved[:half], moved[-half:]))
+    return (len(moved) - half) / math.log(before / now) if 0.0 < now < SLOWS * before else math.inf
 
 
+@compiled
 def _period(places: Floats, count: int, each: float) -> tuple[Floats, float, Floats]:
     """By how much what returns to its velocity moved in that time (3,) [m], the time [s], which is no whole number of
     intervals, and by how much more it moved from every place of the round before (count, 3) [m]."""
-    velocity = (places[2:] - places[:-2]) / (2.0 * each)
-    moved, velocity = places[-count - 1 : -1] - places[-2 * count - 1 : -count - 1], velocity[-count:]
-    mean, usual = moved.mean(axis=0), velocity.mean(axis=0)
-    varies = velocity - usual
-    longer = float(((moved - mean) * varies).sum() / (varies * varies).sum())
-    return mean - longer * usual, count * each - longer, moved - mean - longer * varies
+    moved, speed, usual = np.empty((count, 3)), np.empty((count, 3)), np.zeros((2, 3))
+    for i in range(count):
+        at = len(places) - 1 - count + i
+        for k in range(3):
+            moved[i, k] = places[at, k] - places[at - count, k]
+            speed[i, k] = (places[at + 1, k] - places[at - 1, k]) / (2.0 * each)
+            usual[0, k] += moved[i, k] / count
+            usual[1, k] += speed[i, k] / count
+    product, square = 0.0, 0.0
+    for i in range(count):
+        for k in range(3):
+            product += (moved[i, k] - usual[0, k]) * (speed[i, k] - usual[1, k])
+            square += (speed[i, k] - usual[1, k]) ** 2
+    longer = product / square
+    for i in range(count):
+        for k in range(3):
+            moved[i, k] -= usual[0, k] + longer * (speed[i, k] - usual[1, k])
+    return usual[0] - longer * usual[1], count * each - longer, moved
 
 
-def _spread(places: Floats) -> float:
-    """The root mean square distance of places from their mean [m]."""
-    away = places - places.mean(axis=0)
-    return math.sqrt(float((away * away).sum(axis=1).mean()))
+@compiled
+def _spread(places: Floats, count: int, drift: Floats) -> float:
+    """The root mean square distance of the last so many places from their mean, less what they move in each interval
+    (3,) [m]."""
+    total, square, first = np.zeros(3), 0.0, len(places) - count
+    for i in range(count):
+        for k in range(3):
+            away = places[first + i, k] - places[first, k] - i * drift[k]
+            total[k] += away
+            square += away * away
+    return sqrt(max(square / count - (total[0] ** 2 + total[1] ** 2 + total[2] ** 2) / count**2, 0.0))
 
 
 def _irregular(places: Floats, each: float) -> Rounds | None:
@@ -167,7 +201,7 @@ def _irregular(places: Floats, each: float) -> Rounds | None:
     if quarter < 2:
         return None
     parts = places[-4 * quarter :].reshape(4, quarter, 3)
-    centres, spreads = parts.mean(axis=1), np.array([_spread(part) for part in parts])
+    centres, spreads = parts.mean(axis=1), np.array([_spread(part, quarter, np.zeros(3)) for part in parts])
     reach, time = float(samples.lengths(parts[3] - centres[3]).max()), 3.0 * quarter * each
     moved = centres[3] - centres[0]
     onward = (centres[1:] - centres[:-1]) @ moved >= EVEN * float(moved @ moved)
@@ -192,10 +226,10 @@ def _fit(velocities: Floats, each: float) -> tuple[Floats, float, Floats, float]
     none, one = np.zeros(len(x)), np.ones(len(x))
     equations = (none, z, -y, x, one, none, none), (-z, none, x, y, none, one, none), (y, -x, none, z, none, none, one)
     system, known = np.concatenate([np.stack(each, axis=1) for each in equations]), changes.T.ravel()
-    size = float(np.linalg.norm(known))
-    if size == 0.0:
-        return np.zeros(3), 0.0, np.zeros(3), 0.0
-    found = np.linalg.lstsq(system, known, rcond=None)[0]
+    size, square = float(np.linalg.norm(known)), system.T @ system
+    if size == 0.0 or not np.isfinite(square).all():
+        return np.zeros(3), 0.0, np.zeros(3), 0.0 if size == 0.0 else math.inf
+    found = np.linalg.lstsq(square, system.T @ known, rcond=None)[0]
     residual = float(np.linalg.norm(system @ found - known)) / size
     chord = float(np.linalg.norm(found[:3])) * each / 2.0
     # Differences of chords turn faster than what they are chords of.
@@ -204,9 +238,9 @@ def _fit(velocities: Floats, each: float) -> tuple[Floats, float, Floats, float]
 
 
 @compiled
-def _returning(velocities: Floats, most: int, late: int) -> int:
-    """After how many intervals velocities (n, 3) are what they were, at most so many; of several times, the longest in
-    the late ones. 0 if they never are."""
+def _returning(velocities: Floats, least: int, most: int) -> int:
+    """The lowest number of intervals, of so many at least and at most, after which velocities (n, 3) are what they
+    were; 0 if there is none."""
     differ, top = np.zeros(most + 2), 0.0
     for lag in range(1, most + 1):
         every, found, count = max(1, lag // COUNTED), 0.0, 0
@@ -218,10 +252,10 @@ def _returning(velocities: Floats, most: int, late: int) -> int:
         differ[lag] = found / count
         top = max(top, differ[lag])
     differ[most + 1] = differ[most]
-    away, once, often = False, 0, 0
+    away = False
     for lag in range(1, most + 1):
         away = away or differ[lag] >= APART * top
-        returns = away and differ[lag] <= AGAIN * top and differ[lag] <= min(differ[lag - 1], differ[lag + 1])
-        if returns and (once == 0 or lag <= late):
-            once, often = once or lag, lag
-    return often
+        returned = away and lag >= least and differ[lag] <= AGAIN * top
+        if returned and differ[lag] <= min(differ[lag - 1], differ[lag + 1]):
+            return lag
+    return 0

@@ -14,7 +14,6 @@ from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial.transform import Rotation
 
 Floats = NDArray[np.float64]
 
@@ -56,9 +55,14 @@ def axes_of(frame: object) -> Axes:
 
 
 def quaternion(rotation: Floats) -> Floats:
-    """Quaternion (..., 4) of roll, pitch, yaw (..., 3) [rad]: about z, then the new y, then the new x."""
-    found: Floats = Rotation.from_euler("ZYX", rotation[..., ::-1]).as_quat(scalar_first=True)
-    return found
+    """Quaternion (..., 4) of roll, pitch, yaw (..., 3) [rad]: about z, then the new y, then the new x.
+
+    By products of half angles: SciPy, whose numbers these are, takes a third of a second to load.
+    """
+    half = np.moveaxis(0.5 * rotation, -1, 0)
+    (cr, cp, cy), (sr, sp, sy) = np.cos(half), np.sin(half)
+    w, x, y, z = cy * cp, -sy * sp, cy * sp, sy * cp
+    return np.stack([w * cr - x * sr, w * sr + x * cr, y * cr + z * sr, z * cr - y * sr], axis=-1)
 
 
 def along(direction: Floats) -> Floats:

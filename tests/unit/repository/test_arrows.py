@@ -435,7 +435,7 @@ RUNNER = "import worker.running.runs.runner; from worker.running.catalogue.insta
     [
         [
             ("import gc, backend.__main__; assert gc.isenabled() and gc.get_freeze_count() > 100_000", set()),
-            ("import backend.app", {"numba", "worker"}),
+            ("import backend.app", {"numba", "worker", "scipy", "alembic"}),
         ],
         # One after the other in one process: what is absent after several is absent after each alone.
         [

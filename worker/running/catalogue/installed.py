@@ -65,8 +65,9 @@ def own_modules(used: Iterable[Component]) -> tuple[str, ...]:
 
 _HOMES: dict[int, str] = {}
 """The modules that declare the components, by the components' identity."""
-_SHIPPED: dict[int, ComponentEntry] = {}
-"""What is shipped as data, by its identity: described once, however often simulators are looked for again."""
+_SHIPPED: dict[int, tuple[Component, ComponentEntry]] = {}
+"""What is shipped as data, by its identity: described once, however often simulators are looked for again. The
+component is kept, so that no other one gets its identity."""
 
 
 @cache
@@ -236,8 +237,8 @@ def _entry(component: Component) -> ComponentEntry:
     home = _HOMES.get(id(component), "")
     if home.startswith("worker.engine.components.") and not home.startswith(f"{own.PACKAGE}."):
         if id(component) not in _SHIPPED:
-            _SHIPPED[id(component)] = component_entry(component, source_of(component))
-        return _SHIPPED[id(component)]
+            _SHIPPED[id(component)] = component, component_entry(component, source_of(component))
+        return _SHIPPED[id(component)][1]
     entry = component_entry(component, source_of(component))
     if isinstance(component, Fault | Environment):
         return entry.model_copy(update={"unswitched": unswitched(component)})

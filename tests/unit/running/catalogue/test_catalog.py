@@ -18,6 +18,7 @@ from campaigns.version import VERSION
 from tests.given.case_campaigns import campaign, document
 from tests.given.guest_packages import package
 from worker.engine.systems.threads import usual_threads
+from worker.running.catalogue import installed
 from worker.running.catalogue.installed import catalogue, components, methods, source_of
 
 
@@ -47,6 +48,14 @@ def test_the_catalogue_is_data() -> None:
 def test_where_a_thing_is_declared() -> None:
     assert source_of(components()["vehicle", "unicycle"]).__name__ == "worker.engine.components.vehicles.unicycle"
     assert source_of(methods()["sqp"]).__name__ == "worker.engine.search.methods.sqp"
+
+
+def test_what_is_described_once_is_kept_while_its_identity_stands_for_it() -> None:
+    known = catalogue()
+    component = components()["vehicle", "unicycle"]
+    kept, entry = installed._SHIPPED[id(component)]
+    assert kept is component
+    assert entry is known.component("vehicle", "unicycle")
 
 
 def in_a_new_process(code: str, folder: Path) -> subprocess.CompletedProcess[str]:

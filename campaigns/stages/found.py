@@ -14,13 +14,16 @@ import campaigns.stages
 from campaigns.results.stage import StageResult
 from campaigns.stages.declared import Declared
 
+OTHERS = ("found", "plan")
+"""Modules of the folder that declare no kind and need all kinds."""
+
 
 @cache
 def declared() -> dict[str, Declared]:
     """Every kind of stage in the order of a run; a duplicate kind is an error."""
     found: list[Declared] = []
-    for info in pkgutil.iter_modules(campaigns.stages.__path__):
-        stage = getattr(importlib.import_module(f"campaigns.stages.{info.name}"), "stage", None)
+    for name in sorted({info.name for info in pkgutil.iter_modules(campaigns.stages.__path__)}.difference(OTHERS)):
+        stage = getattr(importlib.import_module(f"campaigns.stages.{name}"), "stage", None)
         if isinstance(stage, Declared):
             found.append(stage)
     kinds = [stage.kind for stage in found]

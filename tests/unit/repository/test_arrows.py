@@ -434,14 +434,16 @@ RUNNER = "import worker.running.runs.runner; from worker.running.catalogue.insta
     "chain",
     [
         [
+            ("import backend.requirements.reading, backend.requirements.table", {"numpy", "pydantic", "sqlalchemy"}),
             ("import gc, backend.__main__; assert gc.isenabled() and gc.get_freeze_count() > 100_000", set()),
             ("import backend.app", {"numba", "worker", "scipy", "alembic"}),
         ],
         # One after the other in one process: what is absent after several is absent after each alone.
         [
             ("import clearance", {"numpy", "numba", "scipy", "pydantic", "sqlalchemy", "fastapi"}),
+            ("import campaigns.stages.found", {"worker", "backend", "numpy", "numba", "scipy"}),
             ("from clearance import Client", {"worker", "backend", "numpy", "numba", "scipy", "sqlalchemy", "fastapi"}),
-            ("import campaigns", {"worker", "backend", "numpy", "numba", "scipy"}),
+            ("from campaigns import Campaign, Catalogue, check", {"worker", "backend", "numpy", "numba", "scipy"}),
             (
                 "import worker.evidence.audit.judge",
                 {

@@ -53,6 +53,7 @@ def test_nothing_else_imports_what_changes_the_process() -> None:
 PROGRAM = """
 import gc
 from campaigns import heap
+import campaigns.asked.spec
 while_loading = gc.isenabled()
 ring = []; ring.append(ring); del ring
 heap.loaded()

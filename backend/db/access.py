@@ -17,12 +17,10 @@ from typing import Any, Literal
 import sqlalchemy as sa
 
 from backend.db import engine
+from backend.db.roles import LOCAL as LOCAL
 from backend.db.roles import ROLES, SCOPES, Role, Scope, has_scope, widest
 from backend.db.tables import LoginLink, Session, Token, User
 from campaigns.refusals import Refusal, RefusalCode
-
-LOCAL = "local"
-"""The user of every login link: an administrator from the first start, because a link is made on the machine itself."""
 
 TOKEN_PREFIX = "clr_"
 """Prefix of every API token, so that a token that leaked into a file can be found by searching."""

@@ -10,6 +10,9 @@ Role = Literal["viewer", "engineer", "reviewer", "admin"]
 Scope = Literal["read", "run", "admin"]
 """read: what a viewer may; run: what an engineer may; admin: everything that the token's owner may."""
 
+LOCAL = "local"
+"""The user of every login link: an administrator from the first start, because a link is made on the machine itself."""
+
 ROLES: tuple[Role, ...] = get_args(Role)
 SCOPES: tuple[Scope, ...] = get_args(Scope)
 

@@ -7,7 +7,6 @@ from typing import Annotated
 
 import typer
 
-from backend.db import access, audit
 from clearance.cli._where import DATA, Database, DataServed, opened, operator, served
 
 STANDARD = "http://127.0.0.1:8000"
@@ -29,6 +28,8 @@ def login_link(
     ] = "",
 ) -> None:
     """Print a new login link, single-use and valid for 15 minutes; earlier unused links are revoked."""
+    from backend.db import access, audit
+
     if data is None:
         data = DATA if database else served()
     with opened(data, database) as connection:

@@ -15,7 +15,6 @@ from typing import Annotated
 import typer
 
 from backend import secret_settings
-from backend.db import access, workers
 from backend.db.availability import awaited, sentence
 from backend.db.engine import connected
 from backend.db.private import keep_private
@@ -146,10 +145,14 @@ class _Serving:
         return None
 
     def _published(self) -> float:
+        from backend.db import workers
+
         with reading(self.url) as connection:
             return workers.published(connection) or 0.0
 
     def _welcome(self, begun: float) -> None:
+        from backend.db import access
+
         with connected(self.url) as engine, engine.begin() as connection:
             code = access.create_login_code(connection)
         link = f"{(self.data / ADDRESS_FILE).read_text().strip()}/login?code={code}"

@@ -8,8 +8,7 @@ from typing import Annotated
 
 import typer
 
-from backend.db import access, audit
-from backend.db.roles import Scope
+from backend.db.roles import LOCAL, Scope
 from clearance.cli._following import aligned
 from clearance.cli._where import DATA, Database, DataServed, opened, operator, served
 
@@ -28,7 +27,7 @@ def create(
             "a browser."
         ),
     ] = "run",
-    owner: Annotated[str, typer.Option(help="The user whose role limits it.")] = access.LOCAL,
+    owner: Annotated[str, typer.Option(help="The user whose role limits it.")] = LOCAL,
     days: Annotated[
         int | None, typer.Option(min=1, max=3650, help="Days until it expires; default: never.", show_default=False)
     ] = None,
@@ -36,6 +35,8 @@ def create(
     database: Database = "",
 ) -> None:
     """Create a token and print it: the only time it is shown. Send it as `Authorization: Bearer TOKEN`."""
+    from backend.db import access, audit
+
     with opened(_folder(data, database), database, create=True) as connection:
         token = access.create_token(connection, name, owner, scope, None if days is None else days * 86400.0)
         details = {"owner": owner, "scope": scope, "days": days}
@@ -47,6 +48,8 @@ def create(
 @app.command("list")
 def list_(data: DataServed = None, database: Database = "") -> None:
     """List the tokens: name, owner, scope, created, expires, last used, revoked."""
+    from backend.db import access
+
     with opened(_folder(data, database), database) as connection:
         rows = access.tokens(connection)
     table: list[tuple[str, ...]] = [("name", "owner", "scope", "created", "expires", "last used", "revoked")]
@@ -59,6 +62,8 @@ def list_(data: DataServed = None, database: Database = "") -> None:
 @app.command()
 def revoke(name: Name, data: DataServed = None, database: Database = "") -> None:
     """Revoke a token: from now on it is refused."""
+    from backend.db import access, audit
+
     with opened(_folder(data, database), database) as connection:
         access.revoke_token(connection, name)
         audit.note_command(connection, operator(), "token.revoked", name, {})

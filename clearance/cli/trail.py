@@ -10,7 +10,6 @@ from typing import Annotated, Any
 import sqlalchemy as sa
 import typer
 
-from backend.db import audit
 from backend.db.chain import COVERED, FIRST, Head, Verified, head, verify
 from backend.db.outages import DatabaseOutage
 from campaigns.refusals import RefusalCode
@@ -60,12 +59,16 @@ def verify_trail(
 @app.command("head")
 def print_head(data: Data = DATA, database: Database = "") -> None:
     """Print number and hash of the newest row, to be noted where the service cannot write."""
+    from backend.db import audit
+
     with reading(existing_url_of(data, database)) as reader:
         _migrated(reader)
         typer.echo(str(audit.head(reader)))
 
 
 def _of_database(data: Path, database: str, noted: Head | None) -> Verified:
+    from backend.db import audit
+
     try:
         with reading(existing_url_of(data, database)) as reader:
             _migrated(reader)

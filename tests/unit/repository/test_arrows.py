@@ -423,6 +423,7 @@ def test_every_module_has_a_docstring() -> None:
 
 
 Loads = list[tuple[str, set[str]]]
+HELP = "from clearance.cli import invoke; invoke(['--help'])"
 CLI = "from clearance.cli import invoke; invoke(['--help']); invoke(['token', 'list', '--data', '/nowhere'])"
 HEAVY = {"SALib", "clarabel", "scipy.linalg", "scipy.optimize", "scipy.special", "scipy.stats", "fastapi"}
 STAGES = "from worker.engine.stages.found import stages; stages()"
@@ -455,6 +456,7 @@ RUNNER = "import worker.running.runs.runner; from worker.running.catalogue.insta
                     "worker.running.catalogue.installed",
                 },
             ),
+            (HELP, {"numba", "scipy", "fastapi", "backend.db.tables"}),
             (CLI, {"numba", "scipy", "fastapi"}),
             ("import worker.running.processes.supervisor", {"numba", "scipy", "fastapi"}),
             (

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 
+from backend.db import access
 from backend.db.access import hashed
 from backend.db.engine import connect, default_url, read
 from backend.db.tables import LoginLink, Token
@@ -78,7 +79,7 @@ def test_what_goes_wrong_inside(
         raise raised
 
     token = importlib.import_module("clearance.cli.token")
-    monkeypatch.setattr(token.access, "tokens", broken)
+    monkeypatch.setattr(access, "tokens", broken)
     monkeypatch.setattr(token, "opened", lambda *_: _Nothing())
     assert build() is not None
     assert invoke(["token", "list", "--data", "anywhere"]) == code

@@ -7,7 +7,7 @@ from typing import Any
 
 import sqlalchemy as sa
 
-from backend.db.engine import insert, now
+from backend.db.engine import insert, now, once
 from backend.db.tables import CatalogueSnapshot, Run
 from campaigns.asked.spec import Campaign
 from campaigns.catalogue import Catalogue
@@ -28,7 +28,8 @@ def of_run(reader: sa.Connection, run_id: int) -> Catalogue | None:
 
     Raises `ValidationError` if another version stored them in a form that this one cannot read.
     """
-    text = reader.scalar(_stored(sa.cast(CatalogueSnapshot.document, sa.Text), run_id))
+    stored = _stored(sa.cast(CatalogueSnapshot.document, sa.Text), run_id)
+    text: str | None = once(reader, ("snapshot", run_id), lambda: reader.scalar(stored))
     return None if text is None else _read(text)
 
 

@@ -8,6 +8,7 @@ from collections.abc import Callable
 import sqlalchemy as sa
 
 from backend.catalog.service import described
+from backend.db.engine import once
 from backend.db.tables import CampaignRow, Run
 from campaigns import Campaign
 from campaigns.checked.check import parameters
@@ -20,7 +21,7 @@ Terms = Callable[[], earlier.Terms]
 
 def terms_of(reader: sa.Connection, run_id: int) -> Terms:
     """The value of the criterion and the uncertain parameters of a run, with their symbols and units."""
-    return functools.cache(lambda: _terms(reader, run_id))
+    return functools.cache(lambda: once(reader, ("terms", run_id), lambda: _terms(reader, run_id)))
 
 
 def _terms(reader: sa.Connection, run_id: int) -> earlier.Terms:

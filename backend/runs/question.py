@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import sqlalchemy as sa
 
+from backend.db.engine import once
 from backend.db.rows import at_or_below
 from backend.db.tables import Run
 from campaigns.results.verdict import VerdictWord
@@ -18,6 +19,10 @@ def asked_again(reader: sa.Connection, run_id: int) -> dict[str, int]:
     Without a verdict they are `unconfirmed` if they found a value at or below the threshold of this run, else `none`.
     No run, not even itself, where its question is not stored, as by an earlier version.
     """
+    return once(reader, ("asked", run_id), lambda: _asked_again(reader, run_id))
+
+
+def _asked_again(reader: sa.Connection, run_id: int) -> dict[str, int]:
     of = sa.select(Run.question, Run.threshold).where(Run.id == run_id)
     question, threshold = reader.execute(of).one_or_none() or (None, None)
     if question is None:  # of a version that did not store it: nothing is known to ask the same

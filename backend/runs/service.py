@@ -11,6 +11,7 @@ from pydantic import ValidationError
 from backend.catalog.criteria import criteria
 from backend.catalog.service import bounds, described, published
 from backend.db import audit, baselines
+from backend.db.engine import once
 from backend.db.tables import Audit, CampaignRow, Run, Stage
 from backend.http.errors import RefusedError, existing
 from backend.http.versions import readable
@@ -174,12 +175,20 @@ def stages(reader: sa.Connection, run_id: int) -> list[StageDetail]:
 
 def require(reader: sa.Connection, run_id: int) -> None:
     """Raise 404 if there is no such run, 410 if it was purged."""
+    once(reader, ("required", run_id), lambda: _required(reader, run_id))
+
+
+def _required(reader: sa.Connection, run_id: int) -> None:
     refuse_purged(reader, run_id)
     existing(reader.scalar(sa.select(Run.id).where(Run.id == run_id)), "run", run_name(run_id))
 
 
 def campaign(reader: sa.Connection, run_id: int) -> Campaign:
     """The campaign of a run, or 404."""
+    return once(reader, ("campaign", run_id), lambda: _campaign(reader, run_id))
+
+
+def _campaign(reader: sa.Connection, run_id: int) -> Campaign:
     query = sa.select(CampaignRow.document).join(Run, Run.campaign_digest == CampaignRow.digest)
     document = reader.scalar(query.where(Run.id == run_id, Run.purged.is_(None)))
     if document is None:

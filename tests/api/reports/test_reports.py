@@ -6,6 +6,7 @@ import html
 import os
 import re
 import shutil
+from collections import Counter
 from pathlib import Path
 from typing import Any
 
@@ -50,6 +51,18 @@ def report(client: httpx.Client, run: str) -> str:
     assert answer.status_code == 200
     assert answer.headers["content-type"] == "text/html; charset=utf-8"
     return answer.text
+
+
+def test_its_parts_share_what_they_read_of_the_run(service: Service, client: httpx.Client, run: str) -> None:
+    asked: Counter[tuple[str, str]] = Counter()
+    sa.event.listen(
+        service.engine, "before_cursor_execute", lambda _c, _k, text, of, *_: asked.update([(text, f"{of}")])
+    )
+    report(client, run)
+    again = [text for (text, _), times in asked.items() if times > 1]
+    assert len(asked) > 40
+    assert max(asked.values()) <= 2, asked.most_common(1)
+    assert [text for text in again if "FROM runs" in text or "FROM catalogue_snapshots" in text] == []
 
 
 @AT_NIGHT

@@ -25,7 +25,7 @@ from typer.core import TyperCommand, TyperGroup
 
 from backend.db.engine import NewerSchemaError
 from backend.db.outages import DatabaseOutage
-from campaigns import CampaignError
+from campaigns.asked.load import CampaignError
 from campaigns.refusals import Refusal
 from clearance.cli import _witness
 from worker.engine.kernels.jit import JitDisabledError

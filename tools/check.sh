@@ -83,6 +83,7 @@ SLOW=(
     tests/unit/engine/systems/test_cut_short.py
     tests/unit/engine/systems/test_field.py
     tests/unit/engine/systems/test_further.py
+    tests/unit/engine/systems/test_rounds.py
     tests/unit/engine/systems/test_trace.py
     tests/unit/engine/systems/test_uniform.py
     tests/unit/evidence/audit/test_absent_parts.py

@@ -79,6 +79,56 @@ def test_rounds_that_are_not_yet_steady_may_be_carried_aside() -> None:
     assert found.aside == pytest.approx(2.0 * 0.002 * 2.0 * math.pi / 0.5, rel=0.2)
 
 
+def under_way(until: float, speed: float) -> Points:
+    """What comes to a place along x, and is there from some time on [s]."""
+    return along(speed * np.minimum(TIMES - until, 0.0), 0.0 * TIMES)
+
+
+@pytest.mark.parametrize("speed", [1.0, 20.0])
+@pytest.mark.parametrize("until", [30.0, 44.0, 55.0])
+@pytest.mark.parametrize("shape", ["an eight", "to and fro", "tilted"])
+def test_a_vehicle_that_was_under_way_before_it_circled_is_carried_on_for_ever(
+    shape: str, until: float, speed: float
+) -> None:
+    since = int(np.searchsorted(TIMES, until))
+    places = np.concatenate([np.repeat(SHAPES[shape][:1], since, axis=0), SHAPES[shape][: len(TIMES) - since]])
+    arrives = places + under_way(until, speed)
+    assert rounds.rounds(arrives, LATE, EACH) is None
+    found = rounds.rounds(arrives + np.outer(TIMES, 0.3 * SLOWLY), LATE, EACH)
+    assert found is not None
+    assert found.carried == pytest.approx(0.3 * SLOWLY, abs=0.01)
+    assert found.lasts == math.inf
+    assert found.aside < 0.02
+
+
+@pytest.mark.parametrize("rate", [1e-3, 5e-3])
+def test_rounds_that_shrink_while_they_are_carried_on_do_not_stay(rate: float) -> None:
+    shrinks = SHAPES["a circle"] * np.exp(-rate * TIMES)[:, None]
+    assert rounds.rounds(shrinks, LATE, EACH) is None
+    found = rounds.rounds(shrinks + np.outer(TIMES, 0.1 * SLOWLY), LATE, EACH)
+    assert found is not None
+    assert found.carried == pytest.approx(0.1 * SLOWLY, abs=2e-3)
+
+
+@pytest.mark.parametrize("rate", [0.01, 0.03, 0.06])
+@pytest.mark.parametrize("shape", ["to and fro", "an eight", "tilted"])
+def test_what_swings_out_stays(shape: str, rate: float) -> None:
+    assert rounds.rounds(SHAPES[shape] * np.exp(-rate * TIMES)[:, None], LATE, EACH) is None
+
+
+def test_what_moves_about_irregularly_in_a_plane_and_climbs_moves_on() -> None:
+    about = along(*(5.0 * f(TIMES) + 3.0 * f(1.618 * TIMES) for f in (np.cos, np.sin)))
+    assert rounds.rounds(about, LATE, EACH) is None
+    found = rounds.rounds(about + np.outer(TIMES, (0.0, 0.0, 0.01)), LATE, EACH)
+    assert found is not None
+    assert found.carried == pytest.approx([0.0, 0.0, 0.01], abs=1e-3)
+
+
+def test_what_jumps_between_two_places_stays() -> None:
+    jumps = along(0.5 * (np.arange(len(TIMES)) % 2), 0.0 * TIMES)
+    assert rounds.rounds(jumps, LATE, EACH) is None
+
+
 @pytest.mark.parametrize("seed", range(10))
 def test_noise_stays_unless_it_moves_on_all_the_time(seed: int) -> None:
     hovers = np.random.default_rng(seed).normal(size=(len(TIMES), 3))
@@ -157,15 +207,15 @@ def test_what_keeps_pace_with_rounds_stays_as_far_away() -> None:
     assert found.nearest(np.array([[9.0, 0.0, 0.0]]), SLOWLY) == (7.0, 0.0)
 
 
-HARD_OVER = {"component": "hard_over", "on": "rudder", "parameters": {"at": 0.0, "over": 1.0, "value": 0.15}}
 HORIZON = 30.0
 
 
-def turning(wind: float, *obstacles: dict[str, Any]) -> Problem:
+def turning(wind: float, *obstacles: dict[str, Any], rudder: float = 0.15) -> Problem:
     """An aircraft with its rudder hard over in a steady wind along x [m/s]."""
     document = copy.deepcopy(load_file(library()["uav_static_wind"]).document())
+    over = {"component": "hard_over", "on": "rudder", "parameters": {"at": 0.0, "over": 1.0, "value": rudder}}
     document["scenario"] |= {
-        "horizon": HORIZON, "faults": [HARD_OVER], "obstacles": [*obstacles],
+        "horizon": HORIZON, "faults": [over], "obstacles": [*obstacles],
         "environment": [{"component": "steady_wind", "parameters": {"x": wind, "y": 0.0}}],
     }  # fmt: skip
     document["uncertain"] = {"vehicle.m": {"low": 1.52, "high": 2.28}}
@@ -181,9 +231,9 @@ def at(place: Points, component: str = "sphere") -> dict[str, Any]:
 
 
 @cache
-def later(wind: float, horizons: int) -> Points:
+def later(wind: float, horizons: int, rudder: float = 0.15) -> Points:
     """Where that aircraft is after so many horizons; no obstacle is near."""
-    problem: Any = turning(wind, at(np.array([-9000.0, 0.0, 0.0])))
+    problem: Any = turning(wind, at(np.array([-9000.0, 0.0, 0.0])), rudder=rudder)
     system, row = problem.system, problem.vectors(problem.nominal_point[None, :])[0]
     steps, every = system.counts(system.step)
     flown = system.loop.simulate(row[None, :], system.step, horizons * steps, every, traced=1).trace[0]
@@ -218,3 +268,12 @@ def test_what_the_wind_carries_a_circling_aircraft_to_is_not_known(component: st
 def test_without_wind_it_stays_where_it_circles() -> None:
     away = later(0.0, 9) + np.array([300.0, 0.0, 0.0])
     assert met(turning(0.0, at(away))).unknown is None
+
+
+@pytest.mark.parametrize("component", ["sphere", "orbiting_sphere"])
+def test_what_is_far_along_a_wide_circle_is_not_known(component: str) -> None:
+    """An obstacle that repeats its path is there whenever the vehicle comes."""
+    found = met(turning(0.0, at(later(0.0, 12, 0.005), component), rudder=0.005))
+    assert found.unknown is not None
+    assert found.unknown.vehicle
+    assert found.unknown.value < 25.0

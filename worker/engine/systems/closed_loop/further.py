@@ -41,6 +41,8 @@ ARC = 1.0
 """Of one that turned steadily by such an angle [rad] it shows whither its circle is carried."""
 FOLLOWED = 20_000
 """Steps of a flight, all of which are looked at if a vehicle keeps about a place."""
+LARGEST = 1e100
+"""Coordinates that are as large show nothing [m]."""
 MOMENTS = 1000
 """For which a turn is followed."""
 SLACK = 1e-9
@@ -77,6 +79,8 @@ def remaining(flights: Flights, row: Floats, trace: Floats, pair: Floats, last: 
     late, each = (last - halfway) // every, every * flights.step
     places = _places(flights, row, trace[: last + 1], every)
     found = going(places, late, each)._replace(half=half)
+    if not np.abs(places).max() < LARGEST:
+        return found
     if found.about > 0.0:
         every = max(1, last // FOLLOWED)
         places = _places(flights, row, trace[: last + 1], every)
@@ -117,7 +121,7 @@ def going(places: Floats, late: int, each: float) -> Remaining:
 def _turned(places: Floats) -> float:
     moved = places[1:] - places[:-1]
     lengths = samples.lengths(moved)
-    if lengths[-1] == 0.0:
+    if not len(lengths) or lengths[-1] == 0.0:
         return math.pi
     along = moved[lengths > 0.0] @ moved[-1] / (lengths[lengths > 0.0] * lengths[-1])
     return float(np.arccos(np.clip(along, -1.0, 1.0)).max())

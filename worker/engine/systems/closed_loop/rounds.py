@@ -21,10 +21,16 @@ LEAST = 1e-3
 LOOSE, EVEN = 0.5, 1.0 / 6.0
 """The same, of what moves about irregularly, from the first to the last quarter of the time in which it is seen; of
 that, the least part from each quarter to the next."""
+ACROSS = 2.0, 0.25
+"""The same, along a line along which it hardly moves about."""
 AGAIN, APART = 0.01, 0.25
 """Velocities have returned whose mean square difference is this fraction of the largest one, after it was that much."""
+TWICE = 4.0
+"""The largest one is so many times the mean square of late velocities at most: what was under way differs by more."""
 FITS = 0.02
 """The largest difference of velocity changes from those of a circle, as a fraction of them."""
+SLOWS = 1.0 / math.log(2.0)
+"""In so many rounds at most what becomes slower gets as far as it will: in each it is halved."""
 COUNTED = 128
 """So many velocities of a round are compared, about."""
 FEWEST = 8
@@ -124,19 +130,42 @@ def _repeated(places: Floats, count: int, each: float) -> Rounds | None:
     last, before = places[-count:], places[-2 * count : -count]
     centre, apart = last.mean(axis=0), float(np.linalg.norm(moved))
     reach = float(samples.lengths(last - centre).max())
-    least = LEAST * reach + 0.5 * math.sqrt(float((rest * rest).sum(axis=1).mean()))
+    least = LEAST * reach + 0.5 * _size(rest)
     growth = _spread(last) - _spread(before)
     grows = growth > least and not _slower(growth, before, places[-3 * count : -2 * count])
-    if not grows and apart <= least:
+    if not grows and apart <= min(least, _least(rest, places[-2 * count - 1 : -count - 1], reach)):
         return None
-    goes, half = math.inf, count // 2
+    half, goes = count // 2, math.inf
     differs = 2.0 * (rest[-half:].mean(axis=0) - rest[:half].mean(axis=0))
-    if len(places) > 3 * count:
+    if len(places) > 3 * count and _again(places[:-count], count):
         earlier = _period(places[:-count], count, each)[0]
-        differs, far = moved - earlier, float(np.linalg.norm(earlier))
-        goes = lasts / math.log(far / apart) if apart < 0.5 * far else math.inf
+        # What was fast in the round before, and is steady within the last one, goes on.
+        slows, lately = _falls(earlier, moved), 0.5 * _falls(moved - 0.25 * differs, moved + 0.25 * differs)
+        goes = lasts * slows if slows < SLOWS and lately < 2.0 * slows else math.inf
+        differs = moved - earlier
     aside = float(np.linalg.norm(differs)) / lasts
     return Rounds(centre, reach, moved / lasts, aside, goes, growth / lasts if grows else 0.0)
+
+
+def _least(rest: Floats, begun: Floats, reach: float) -> float:
+    """What rounds that stay seem to move by at most [m]: of changes that are as large as the places from which they
+    begin are far out, as of a spiral, only the second order."""
+    away = begun - begun.mean(axis=0)
+    linear = away @ np.linalg.lstsq(away, rest, rcond=None)[0]
+    return LEAST * reach + _size(linear) ** 2 / reach + 0.5 * _size(rest - linear)
+
+
+def _falls(before: Floats, now: Floats) -> float:
+    """In how many times the time between them what had one velocity and then another gets as far as it will."""
+    slower = float(np.linalg.norm(now)) / (float(np.linalg.norm(before)) or 1e-300)
+    return -1.0 / math.log(max(slower, 1e-300)) if slower < 1.0 else math.inf
+
+
+def _again(places: Floats, count: int) -> bool:
+    """Whether velocities were in the last so many intervals what they were before."""
+    moved = places[1:] - places[:-1]
+    now = moved[-count:]
+    return _size(now - moved[-2 * count : -count]) <= math.sqrt(TWICE * AGAIN) * _size(now)
 
 
 def _slower(growth: float, before: Floats, earlier: Floats) -> bool:
@@ -151,14 +180,19 @@ def _period(places: Floats, count: int, each: float) -> tuple[Floats, float, Flo
     moved, velocity = places[-count - 1 : -1] - places[-2 * count - 1 : -count - 1], velocity[-count:]
     mean, usual = moved.mean(axis=0), velocity.mean(axis=0)
     varies = velocity - usual
-    longer = float(((moved - mean) * varies).sum() / (varies * varies).sum())
+    size = float((varies * varies).sum())
+    longer = float(((moved - mean) * varies).sum()) / size if size else 0.0
     return mean - longer * usual, count * each - longer, moved - mean - longer * varies
 
 
 def _spread(places: Floats) -> float:
     """The root mean square distance of places from their mean [m]."""
-    away = places - places.mean(axis=0)
-    return math.sqrt(float((away * away).sum(axis=1).mean()))
+    return _size(places - places.mean(axis=0))
+
+
+def _size(vectors: Floats) -> float:
+    """The root mean square length of vectors (n, 3)."""
+    return math.sqrt(float((vectors * vectors).sum(axis=1).mean()))
 
 
 def _irregular(places: Floats, each: float) -> Rounds | None:
@@ -168,16 +202,27 @@ def _irregular(places: Floats, each: float) -> Rounds | None:
         return None
     parts = places[-4 * quarter :].reshape(4, quarter, 3)
     centres, spreads = parts.mean(axis=1), np.array([_spread(part) for part in parts])
-    reach, time = float(samples.lengths(parts[3] - centres[3]).max()), 3.0 * quarter * each
-    moved = centres[3] - centres[0]
-    onward = (centres[1:] - centres[:-1]) @ moved >= EVEN * float(moved @ moved)
-    carried = float(np.linalg.norm(moved)) > LOOSE * reach and bool(onward.all())
+    last, time = parts[3] - centres[3], 3.0 * quarter * each
+    reach = float(samples.lengths(last).max())
+    goes = _onward(centres, LOOSE * reach, EVEN)
+    if not goes.any():
+        # Across the plane or the line about which it moves, as upwards, it shows sooner.
+        for way in np.linalg.eigh(last.T @ last)[1].T:
+            least = max(ACROSS[0] * float(np.abs(last @ way).max()), LEAST * reach)
+            goes = goes + _onward((centres @ way)[:, None] * way, least, ACROSS[1])
     growth = float(spreads[3] - spreads[0])
     grows = growth > LOOSE * float(spreads[0]) and bool((np.diff(spreads) >= EVEN * growth).all())
-    if not carried and not grows:
+    if not goes.any() and not grows:
         return None
-    goes = moved / time if carried else 0.0 * moved
-    return Rounds(centres[3], reach, goes, grows=growth / time if grows else 0.0)
+    return Rounds(centres[3], reach, goes / time, grows=growth / time if grows else 0.0)
+
+
+def _onward(centres: Floats, least: float, evenly: float) -> Floats:
+    """By how much the centres of four quarters (4, 3) moved on (3,) [m]; 0 if that's not more than the least, or less
+    than evenly in one of them."""
+    moved: Floats = centres[3] - centres[0]
+    parts = (centres[1:] - centres[:-1]) @ moved >= evenly * float(moved @ moved)
+    return moved if float(np.linalg.norm(moved)) > least and parts.all() else 0.0 * moved
 
 
 def _circular(moved: Floats) -> bool:
@@ -207,7 +252,10 @@ def _fit(velocities: Floats, each: float) -> tuple[Floats, float, Floats, float]
 def _returning(velocities: Floats, most: int, late: int) -> int:
     """After how many intervals velocities (n, 3) are what they were, at most so many; of several times, the longest in
     the late ones. 0 if they never are."""
-    differ, top = np.zeros(most + 2), 0.0
+    differ, top, square = np.zeros(most + 2), 0.0, 0.0
+    for i in range(max(0, len(velocities) - late), len(velocities)):
+        for k in range(3):
+            square += velocities[i, k] * velocities[i, k]
     for lag in range(1, most + 1):
         every, found, count = max(1, lag // COUNTED), 0.0, 0
         for i in range(len(velocities) - 1, len(velocities) - 1 - lag, -every):
@@ -217,6 +265,7 @@ def _returning(velocities: Floats, most: int, late: int) -> int:
             count += 1
         differ[lag] = found / count
         top = max(top, differ[lag])
+    top = min(top, TWICE * square / max(1, min(late, len(velocities))))
     differ[most + 1] = differ[most]
     away, once, often = False, 0, 0
     for lag in range(1, most + 1):

@@ -16,6 +16,9 @@ from campaigns.results.validate import Beyond
 from clearance.testing.problems import Problem
 from worker.engine.systems import optional
 from worker.engine.systems.closed_loop import rounds
+from worker.engine.systems.closed_loop.ending import End
+from worker.engine.systems.closed_loop.further import Remaining
+from worker.engine.systems.closed_loop.onward import Path
 from worker.engine.systems.closed_loop.trace import Seen
 
 Points = np.ndarray[Any, np.dtype[np.float64]]
@@ -101,6 +104,37 @@ def test_a_vehicle_that_was_under_way_before_it_circled_is_carried_on_for_ever(
     assert found.aside < 0.02
 
 
+def test_rounds_that_were_carried_faster_until_they_kept_their_velocity_go_on() -> None:
+    fast_before = along(0.5 * np.minimum(TIMES - 54.0, 0.0) + 0.05 * TIMES, 0.0 * TIMES)
+    found = rounds.rounds(SHAPES["a circle"] + fast_before, LATE, EACH)
+    assert found is not None
+    assert found.carried == pytest.approx([0.05, 0.0, 0.0], abs=0.01)
+    assert found.lasts == math.inf
+
+
+def test_rounds_that_grow_less_and_less_stay() -> None:
+    widens = SHAPES["a circle"] * (1.0 - 0.9 * np.exp(-0.06 * TIMES))[:, None]
+    assert rounds.rounds(widens, LATE, EACH) is None
+
+
+def test_a_round_is_no_whole_number_of_intervals() -> None:
+    angle = 2.0 * math.pi * np.arange(80) / 10.4
+    drift = np.outer(np.arange(80.0), (0.3, 0.0, 0.0))
+    found = rounds.rounds(along(np.cos(angle), np.sin(angle)) + drift, 12, 1.0)
+    assert found is not None
+    assert found.carried == pytest.approx([0.3, 0.0, 0.0], abs=5e-4)
+
+
+def test_an_arc_of_few_places_that_shrinks_shows_what_carries_its_circle() -> None:
+    angle = np.linspace(0.0, 6.0, 21)
+    for swells in (0.0, -0.05):
+        size, drift = 20.0 * np.exp(swells * angle), np.outer(angle, (1.0, 0.0, 0.5))
+        found = rounds.fitted(along(size * np.cos(angle), size * np.sin(angle)) + drift, 0.3)
+        assert found is not None
+        assert found.carried == pytest.approx([1.0, 0.0, 0.5], abs=0.02)
+        assert found.reach == pytest.approx(size[-1], rel=0.006)
+
+
 @pytest.mark.parametrize("rate", [1e-3, 5e-3])
 def test_rounds_that_shrink_while_they_are_carried_on_do_not_stay(rate: float) -> None:
     shrinks = SHAPES["a circle"] * np.exp(-rate * TIMES)[:, None]
@@ -183,6 +217,23 @@ def test_a_slight_turn_leads_onto_a_wide_circle(turned: float) -> None:
 )
 def test_what_does_not_turn_evenly_leads_onto_no_circle(places: Points) -> None:
     assert rounds.bend(places[-LATE - 1 :], EACH) is None
+
+
+@pytest.mark.parametrize("orbits", [False, True])
+@pytest.mark.parametrize(("across", "open_"), [(20_000.0, 1), (10_000.0, 0), (-20_000.0, 0)])
+def test_what_lies_on_the_wide_circle_is_not_known(orbits: bool, across: float, open_: int) -> None:
+    """A circle of 10 km: what lies across it is met, not what lies in its middle or on the other side."""
+    end, there = object.__new__(End), np.array([0.0, across, 0.0])
+    times = np.linspace(0.0, 60.0, 1001)
+    orbit = there + along(3.0 * np.cos(0.3 * times), 3.0 * np.sin(0.3 * times))
+    vars(end).update(
+        _place=np.zeros(3), _own=np.array([20.0, 0.0, 0.0]), _relative=there, _drift=np.zeros(3), _extent=1.0,
+        _path=Path(times, orbit, whole=True, repeats=True) if orbits else None,
+        _index=0, _since=0.0, _threshold=1.0, _below=math.inf,
+    )  # fmt: skip
+    found = [*end._bending(Remaining(bend=np.array([0.0, 0.0, 0.002])))]
+    assert len(found) == open_
+    assert all(not each.known and each.vehicle and 1400.0 < each.time < 1800.0 for each in found)
 
 
 @pytest.mark.parametrize("seed", range(20))

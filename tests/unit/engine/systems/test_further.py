@@ -380,6 +380,7 @@ def test_what_comes_to_the_place_about_which_a_vehicle_moves_is_not_known(monkey
     begin, goal = here + 8.0 * left - 300.0 * velocity, here + 8.0 * left + 300.0 * velocity
     given = {"position": place(*begin), "goal": place(*goal), "speed": 5.0, "radius": 0.3}
     crossing = travelling({"component": "moving_circle", "parameters": given})
+    monkeypatch.setattr(further, "rounds", lambda *_: None)
     monkeypatch.setattr(further, "going", lambda *_: further.Remaining(about=5.0))
     assert met(crossing).unknown is None
     monkeypatch.setattr(further, "going", lambda *_: further.Remaining(about=9.0))

@@ -16,6 +16,9 @@ from campaigns.results.validate import Beyond
 from clearance.testing.problems import Problem
 from worker.engine.systems import optional
 from worker.engine.systems.closed_loop import rounds
+from worker.engine.systems.closed_loop.ending import End
+from worker.engine.systems.closed_loop.further import Remaining
+from worker.engine.systems.closed_loop.onward import Path
 from worker.engine.systems.closed_loop.trace import Seen
 
 Points = np.ndarray[Any, np.dtype[np.float64]]
@@ -72,6 +75,13 @@ def test_rounds_that_are_carried_more_and_more_slowly_get_as_far_as_that() -> No
     assert found.lasts == pytest.approx(1.0 / 0.02, rel=0.1)
 
 
+def test_a_single_round_about_the_goal_is_not_carried_on() -> None:
+    """It is guided there, and comes to its circle only now."""
+    arrives = SHAPES["a circle"] + along(0.5 * np.minimum(TIMES - 54.0, 0.0) + 0.05 * TIMES, 0.0 * TIMES)
+    for goal, carried in (((4.0, 9.0, 0.0), False), ((4.0, 90.0, 0.0), True), ((math.nan,) * 3, True)):
+        assert (rounds.rounds(arrives, LATE, EACH, np.array(goal)) is not None) == carried
+
+
 @pytest.mark.parametrize("seed", range(10))
 def test_what_differs_from_round_to_round_is_not_carried_on(seed: int) -> None:
     """As about a goal: each round ends elsewhere, none gets away."""
@@ -83,7 +93,89 @@ def test_rounds_that_are_not_yet_steady_may_be_carried_aside() -> None:
     turning_aside = along(0.2 * TIMES, 0.002 * TIMES**2)
     found = rounds.rounds(SHAPES["a circle"] + turning_aside, LATE, EACH)
     assert found is not None
-    assert found.aside == pytest.approx(2.0 * 0.002 * 2.0 * math.pi / 0.5, rel=0.2)
+    across = 0.2 / float(np.linalg.norm(found.carried))
+    assert found.aside == pytest.approx(2.0 * 0.002 * 2.0 * math.pi / 0.5 * across, rel=0.2)
+
+
+def under_way(until: float, speed: float) -> Points:
+    """What comes to a place along x, and is there from some time on [s]."""
+    return along(speed * np.minimum(TIMES - until, 0.0), 0.0 * TIMES)
+
+
+@pytest.mark.parametrize("speed", [1.0, 20.0])
+@pytest.mark.parametrize("until", [30.0, 44.0, 55.0])
+@pytest.mark.parametrize("shape", ["an eight", "to and fro", "tilted"])
+def test_a_vehicle_that_was_under_way_before_it_circled_is_carried_on_for_ever(
+    shape: str, until: float, speed: float
+) -> None:
+    since = int(np.searchsorted(TIMES, until))
+    places = np.concatenate([np.repeat(SHAPES[shape][:1], since, axis=0), SHAPES[shape][: len(TIMES) - since]])
+    arrives = places + under_way(until, speed)
+    assert rounds.rounds(arrives, LATE, EACH) is None
+    found = rounds.rounds(arrives + np.outer(TIMES, 0.3 * SLOWLY), LATE, EACH)
+    assert found is not None
+    assert found.carried == pytest.approx(0.3 * SLOWLY, abs=0.01)
+    assert found.lasts == math.inf
+    assert found.aside < 0.02
+
+
+def test_rounds_that_were_carried_faster_until_they_kept_their_velocity_go_on() -> None:
+    fast_before = along(0.5 * np.minimum(TIMES - 54.0, 0.0) + 0.05 * TIMES, 0.0 * TIMES)
+    found = rounds.rounds(SHAPES["a circle"] + fast_before, LATE, EACH)
+    assert found is not None
+    assert found.carried == pytest.approx([0.05, 0.0, 0.0], abs=0.01)
+    assert found.lasts == math.inf
+
+
+def test_rounds_that_grow_less_and_less_stay() -> None:
+    widens = SHAPES["a circle"] * (1.0 - 0.9 * np.exp(-0.06 * TIMES))[:, None]
+    assert rounds.rounds(widens, LATE, EACH) is None
+
+
+def test_a_round_is_no_whole_number_of_intervals() -> None:
+    angle = 2.0 * math.pi * np.arange(80) / 10.4
+    drift = np.outer(np.arange(80.0), (0.3, 0.0, 0.0))
+    found = rounds.rounds(along(np.cos(angle), np.sin(angle)) + drift, 12, 1.0)
+    assert found is not None
+    assert found.carried == pytest.approx([0.3, 0.0, 0.0], abs=5e-4)
+
+
+def test_an_arc_of_few_places_that_shrinks_shows_what_carries_its_circle() -> None:
+    angle = np.linspace(0.0, 6.0, 21)
+    for swells in (0.0, -0.05):
+        size, drift = 20.0 * np.exp(swells * angle), np.outer(angle, (1.0, 0.0, 0.5))
+        found = rounds.fitted(along(size * np.cos(angle), size * np.sin(angle)) + drift, 0.3)
+        assert found is not None
+        assert found.carried == pytest.approx([1.0, 0.0, 0.5], abs=0.02)
+        assert found.reach == pytest.approx(size[-1], rel=0.006)
+
+
+@pytest.mark.parametrize("rate", [1e-3, 5e-3])
+def test_rounds_that_shrink_while_they_are_carried_on_do_not_stay(rate: float) -> None:
+    shrinks = SHAPES["a circle"] * np.exp(-rate * TIMES)[:, None]
+    assert rounds.rounds(shrinks, LATE, EACH) is None
+    found = rounds.rounds(shrinks + np.outer(TIMES, 0.1 * SLOWLY), LATE, EACH)
+    assert found is not None
+    assert found.carried == pytest.approx(0.1 * SLOWLY, abs=2e-3)
+
+
+@pytest.mark.parametrize("rate", [0.01, 0.03, 0.06])
+@pytest.mark.parametrize("shape", ["to and fro", "an eight", "tilted"])
+def test_what_swings_out_stays(shape: str, rate: float) -> None:
+    assert rounds.rounds(SHAPES[shape] * np.exp(-rate * TIMES)[:, None], LATE, EACH) is None
+
+
+def test_what_moves_about_irregularly_in_a_plane_and_climbs_moves_on() -> None:
+    about = along(*(5.0 * f(TIMES) + 3.0 * f(1.618 * TIMES) for f in (np.cos, np.sin)))
+    assert rounds.rounds(about, LATE, EACH) is None
+    found = rounds.rounds(about + np.outer(TIMES, (0.0, 0.0, 0.01)), LATE, EACH)
+    assert found is not None
+    assert found.carried == pytest.approx([0.0, 0.0, 0.01], abs=1e-3)
+
+
+def test_what_jumps_between_two_places_stays() -> None:
+    jumps = along(0.5 * (np.arange(len(TIMES)) % 2), 0.0 * TIMES)
+    assert rounds.rounds(jumps, LATE, EACH) is None
 
 
 @pytest.mark.parametrize("seed", range(10))
@@ -142,6 +234,23 @@ def test_what_does_not_turn_evenly_leads_onto_no_circle(places: Points) -> None:
     assert rounds.bend(places[-LATE - 1 :], EACH) is None
 
 
+@pytest.mark.parametrize("orbits", [False, True])
+@pytest.mark.parametrize(("across", "open_"), [(20_000.0, 1), (10_000.0, 0), (-20_000.0, 0)])
+def test_what_lies_on_the_wide_circle_is_not_known(orbits: bool, across: float, open_: int) -> None:
+    """A circle of 10 km: what lies across it is met, not what lies in its middle or on the other side."""
+    end, there = object.__new__(End), np.array([0.0, across, 0.0])
+    times = np.linspace(0.0, 60.0, 1001)
+    orbit = there + along(3.0 * np.cos(0.3 * times), 3.0 * np.sin(0.3 * times))
+    vars(end).update(
+        _place=np.zeros(3), _own=np.array([20.0, 0.0, 0.0]), _relative=there, _drift=np.zeros(3), _extent=1.0,
+        _path=Path(times, orbit, whole=True, repeats=True) if orbits else None,
+        _index=0, _since=0.0, _threshold=1.0, _below=math.inf,
+    )  # fmt: skip
+    found = [*end._bending(Remaining(bend=np.array([0.0, 0.0, 0.002])))]
+    assert len(found) == open_
+    assert all(not each.known and each.vehicle and 1400.0 < each.time < 1800.0 for each in found)
+
+
 @pytest.mark.parametrize("seed", range(20))
 @pytest.mark.parametrize("lasts", [math.inf, 9.0])
 def test_the_nearest_place_within_what_may_be_carried_aside(seed: int, lasts: float) -> None:
@@ -164,15 +273,15 @@ def test_what_keeps_pace_with_rounds_stays_as_far_away() -> None:
     assert found.nearest(np.array([[9.0, 0.0, 0.0]]), SLOWLY) == (7.0, 0.0)
 
 
-HARD_OVER = {"component": "hard_over", "on": "rudder", "parameters": {"at": 0.0, "over": 1.0, "value": 0.15}}
 HORIZON = 30.0
 
 
-def turning(wind: float, *obstacles: dict[str, Any]) -> Problem:
+def turning(wind: float, *obstacles: dict[str, Any], rudder: float = 0.15) -> Problem:
     """An aircraft with its rudder hard over in a steady wind along x [m/s]."""
     document = copy.deepcopy(load_file(library()["uav_static_wind"]).document())
+    over = {"component": "hard_over", "on": "rudder", "parameters": {"at": 0.0, "over": 1.0, "value": rudder}}
     document["scenario"] |= {
-        "horizon": HORIZON, "faults": [HARD_OVER], "obstacles": [*obstacles],
+        "horizon": HORIZON, "faults": [over], "obstacles": [*obstacles],
         "environment": [{"component": "steady_wind", "parameters": {"x": wind, "y": 0.0}}],
     }  # fmt: skip
     document["uncertain"] = {"vehicle.m": {"low": 1.52, "high": 2.28}}
@@ -188,9 +297,9 @@ def at(place: Points, component: str = "sphere") -> dict[str, Any]:
 
 
 @cache
-def later(wind: float, horizons: int) -> Points:
+def later(wind: float, horizons: int, rudder: float = 0.15) -> Points:
     """Where that aircraft is after so many horizons; no obstacle is near."""
-    problem: Any = turning(wind, at(np.array([-9000.0, 0.0, 0.0])))
+    problem: Any = turning(wind, at(np.array([-9000.0, 0.0, 0.0])), rudder=rudder)
     system, row = problem.system, problem.vectors(problem.nominal_point[None, :])[0]
     steps, every = system.counts(system.step)
     flown = system.loop.simulate(row[None, :], system.step, horizons * steps, every, traced=1).trace[0]
@@ -225,3 +334,12 @@ def test_what_the_wind_carries_a_circling_aircraft_to_is_not_known(component: st
 def test_without_wind_it_stays_where_it_circles() -> None:
     away = later(0.0, 9) + np.array([300.0, 0.0, 0.0])
     assert met(turning(0.0, at(away))).unknown is None
+
+
+@pytest.mark.parametrize("component", ["sphere", "orbiting_sphere"])
+def test_what_is_far_along_a_wide_circle_is_not_known(component: str) -> None:
+    """An obstacle that repeats its path is there whenever the vehicle comes."""
+    found = met(turning(0.0, at(later(0.0, 12, 0.005), component), rudder=0.005))
+    assert found.unknown is not None
+    assert found.unknown.vehicle
+    assert found.unknown.value < 25.0

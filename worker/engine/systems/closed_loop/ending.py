@@ -103,9 +103,11 @@ class End:
         lasts = further.turns(self._horizon)
         if lasts == 0.0:
             return
-        times = self._path.times if self._path else np.linspace(0.0, lasts, MOMENTS)
-        relative = self._path.centres - self._place if self._path else self._relative + np.outer(times, self._drift)
-        times = np.minimum(times, lasts)
+        times, relative = self._ways(lasts)
+        path, times = self._path, np.minimum(times, lasts)
+        if path and path.repeats and lasts > path.times[-1]:  # it may be anywhere on that by then
+            times = np.concatenate([times, np.full(len(times), lasts)])
+            relative = np.concatenate([relative, relative])
         distance, when = turning(relative, self._own, further.turned, further.half, times, further.steady)
         yield from self._open(distance - self._extent, when, vehicle=True)
 
@@ -129,12 +131,36 @@ class End:
         if further.bend is None:
             return
         once = 2.0 * math.pi / float(np.linalg.norm(further.bend))
-        times = self._path.times if self._path else np.linspace(0.0, once, MOMENTS)
-        centres = self._path.centres if self._path else self._place + self._relative + np.outer(times, self._drift)
-        low = samples.nearest(centres - onto(self._place, self._own, further.bend, times))
-        low -= ASIDE * float(np.linalg.norm(self._own)) * times[:-1]
-        k = int(np.argmin(low))
-        yield from self._open(float(low[k]) - self._extent, float(times[k]), vehicle=True)
+        for times, relative, reach in self._courses(once):
+            low = samples.nearest(relative - onto(np.zeros(3), self._own, further.bend, times)) - reach
+            low -= ASIDE * float(np.linalg.norm(self._own)) * times[:-1]
+            k = int(np.argmin(low))
+            yield from self._open(float(low[k]) - self._extent, float(times[k]), vehicle=True)
+
+    def _ways(self, lasts: float) -> tuple[Floats, Floats]:
+        """Where the obstacle is seen from the vehicle's last place (n, 3) [m], and when: on its path, then straight on
+        for so long [s] if that does not repeat."""
+        path = self._path
+        if path is None:
+            times = np.linspace(0.0, lasts, MOMENTS)
+            return times, self._relative + np.outer(times, self._drift)
+        relative, end = path.centres - self._place, float(path.times[-1])
+        if path.repeats or lasts <= end:
+            return path.times, relative
+        after = np.linspace(0.0, lasts - end, MOMENTS)[1:]
+        onward = relative[-1] + np.outer(after, (relative[-1] - relative[-2]) / (end - path.times[-2]))
+        return np.concatenate([path.times, end + after]), np.concatenate([relative, onward])
+
+    def _courses(self, lasts: float) -> Iterator[tuple[Floats, Floats, float]]:
+        """The same, and how far from there it may be [m]: anywhere on a path that repeats, after its end."""
+        times, relative = self._ways(lasts)
+        yield times, relative, 0.0
+        if self._path and self._path.repeats and lasts > times[-1]:
+            low, high = samples.ends(relative)
+            middle = 0.5 * (low + high)
+            reach = float(samples.lengths(relative - middle).max())
+            after = np.linspace(times[-1], lasts, MOMENTS)
+            yield after, np.broadcast_to(middle, (MOMENTS, 3)), reach
 
     def arriving(self) -> Iterator[Approach]:
         """What a vehicle under way to its goal comes to after that is not known, unless it slows down to come to rest

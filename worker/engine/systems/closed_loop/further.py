@@ -41,6 +41,10 @@ ARC = 1.0
 """Of one that turned steadily by such an angle [rad] it shows whither its circle is carried."""
 FOLLOWED = 2000
 """Of a flight, about so many places are looked at if the vehicle keeps about one."""
+LATELY = 1, 2, 4
+"""Parts of the last half horizon in which a slight turn is looked for: what turned more before may still turn."""
+LARGEST = 1e100
+"""Coordinates that are as large show nothing [m]."""
 MOMENTS = 1000
 """For which a turn is followed."""
 SLACK = 1e-9
@@ -75,21 +79,24 @@ def remaining(flights: Flights, row: Floats, trace: Floats, pair: Floats, last: 
         return Remaining(half=half)
     every = max(1, (last - halfway) // INTERVALS)
     late, each = (last - halfway) // every, every * flights.step
-    places = _places(flights, row, trace[: last + 1], every)
+    places = _seen(flights, row, trace[: last + 1], every).positions
     found = going(places, late, each)._replace(half=half)
+    if not np.abs(places).max() < LARGEST:
+        return found
     if found.about > 0.0:
         every = max(1, last // FOLLOWED)
-        places = _places(flights, row, trace[: last + 1], every)
-        return found._replace(rounds=rounds(places, (last - halfway) // every, every * flights.step))
+        seen = _seen(flights, row, trace[: last + 1], every)
+        return found._replace(rounds=rounds(seen.positions, (last - halfway) // every, every * flights.step, seen.goal))
     if found.steady:
         return found._replace(rounds=fitted(places[-1 - late :], each) if found.turned >= ARC else None)
-    return found._replace(bend=bend(places[-1 - late :], each) if found.turned < STEADY[1] else None)
+    bends = (bend(places[-1 - late // part :], each) for part in LATELY)
+    return found._replace(bend=next((each for each in bends if each is not None), None))
 
 
-def _places(flights: Flights, row: Floats, trace: Floats, every: int) -> Floats:
-    """Where the vehicle was at its last step, and every so many before."""
+def _seen(flights: Flights, row: Floats, trace: Floats, every: int) -> Seen:
+    """The vehicle at its last step, and every so many before."""
     states = np.ascontiguousarray(trace[(len(trace) - 1) % every :: every])
-    return Seen(flights, flights.loop.observe(states, row, every * flights.step, 0), row).positions
+    return Seen(flights, flights.loop.observe(states, row, every * flights.step, 0), row)
 
 
 def going(places: Floats, late: int, each: float) -> Remaining:
@@ -117,7 +124,7 @@ def going(places: Floats, late: int, each: float) -> Remaining:
 def _turned(places: Floats) -> float:
     moved = places[1:] - places[:-1]
     lengths = samples.lengths(moved)
-    if lengths[-1] == 0.0:
+    if not len(lengths) or lengths[-1] == 0.0:
         return math.pi
     along = moved[lengths > 0.0] @ moved[-1] / (lengths[lengths > 0.0] * lengths[-1])
     return float(np.arccos(np.clip(along, -1.0, 1.0)).max())

@@ -25,8 +25,15 @@ first that is left where that becomes less."""
 LOOSE, EVEN = 0.5, 1.0 / 6.0
 """The same, of what moves about irregularly, from the first to the last quarter of the time in which it is seen; of
 that, the least part from each quarter to the next."""
+ACROSS = 2.0, 0.25
+"""The same, along a line along which it hardly moves about."""
 AGAIN, APART = 0.01, 0.25
 """Velocities have returned whose mean square difference is this fraction of the largest one, after it was that much."""
+TWICE = 4.0
+"""The largest one is so many times the mean square of late velocities at most: what was under way differs by more."""
+ALONE, ONCE, AMONG = 5.0, 0.5, 0.2
+"""By how many times what differs within it the last round moved on, and grew, if it alone is known; and if others
+are."""
 FITS = 0.02
 """The largest difference of velocity changes from those of a circle, as a fraction of them."""
 COUNTED = 128
@@ -70,15 +77,15 @@ class Rounds(NamedTuple):
         return float(found[k]) - self.reach, float(times[k])
 
 
-def rounds(places: Floats, late: int, each: float) -> Rounds | None:
+def rounds(places: Floats, late: int, each: float, goal: Floats | None = None) -> Rounds | None:
     """Those of a vehicle at places (n, 3) at equal intervals [s], that kept about a place in the last so many of them;
-    None if they stay where they are."""
+    None if they stay where they are. goal: to which it is guided (3,) [m]."""
     if len(places) < FEWEST:
         return None
     moved = places[1:] - places[:-1]
-    count = _returning(moved, max(FEWEST, late // SHORTEST), len(moved) // 2)
+    count = _returning(moved, max(FEWEST, late // SHORTEST), len(moved) // 2, late)
     if count:
-        return _repeated(places, count, late, each)
+        return _repeated(places, count, late, each, goal)
     return fitted(places[-late - 1 :], each) if _circular(moved[-late:]) else _irregular(places[-late - 1 :], each)
 
 
@@ -125,28 +132,57 @@ def onto(place: Floats, velocity: Floats, turn: Floats, times: Floats) -> Floats
     return found + np.outer(rest, np.cross(turn, velocity))
 
 
-def _repeated(places: Floats, count: int, late: int, each: float) -> Rounds | None:
+def _repeated(places: Floats, count: int, late: int, each: float, goal: Floats | None) -> Rounds | None:
     """Those of what returns to its velocity after about so many intervals. What differs from round to round, as about a
-    goal, is not carried on: only what every one does."""
-    several = max(1, min(math.ceil(2 * late / count), (len(places) - 1) // count - 1))
+    goal, is not carried on: only what every one does, or all of the last one, if it was not about the goal."""
+    several = _alike(places, count, max(1, min(math.ceil(2 * late / count), (len(places) - 1) // count - 1)))
     until = [places[: len(places) - k * count] for k in range(several, -1, -1)]
     found = [_period(part, count, each) for part in until[1:]]
     moved, (now, lasts, rest), last = np.array([each[0] for each in found]), found[-1], places[-count:]
     centre = last.mean(axis=0)
     reach = float(samples.lengths(last - centre).max())
-    least = LEAST * reach + 0.5 * math.sqrt(float((rest * rest).sum(axis=1).mean()))
-    usual = moved.mean(axis=0)
+    usual, least = moved.mean(axis=0), _least(rest, places[-2 * count - 1 : -count - 1], reach)
     apart = float(np.linalg.norm(usual))
-    carried = apart > least and bool((samples.lengths(moved - usual) <= ALIKE * apart).all())
+    among = several > 1 and bool((samples.lengths(moved - usual) <= ALIKE * apart).all()) and apart > least
+    alone = goal is None or not float(np.linalg.norm(goal - centre)) <= reach
+    carried = among or (alone and float(np.linalg.norm(now)) > LEAST * reach + ALONE * _size(rest))
     spreads = np.array([_spread(part, count, usual * (each / lasts)) for part in until])
     growth = float(spreads[-1] - spreads[0])
-    grows = growth > least and bool((np.diff(spreads) >= ALIKE * growth / several).all())
+    most = LEAST * reach + (AMONG if several > 1 else ONCE) * _size(rest)
+    grows = growth > most and bool((np.diff(spreads) >= ALIKE * growth / several).all()) and (alone or several > 1)
     if not carried and not grows:
         return None
     half = count // 2
-    differs = now - moved[-2] if several > 1 else 2.0 * (rest[-half:].mean(axis=0) - rest[:half].mean(axis=0))
-    aside = float(np.linalg.norm(differs)) / lasts
-    return Rounds(centre, reach, now / lasts, aside, lasts * _slows(moved), growth / (several * lasts) * grows)
+    differs = 2.0 * (rest[-half:].mean(axis=0) - rest[:half].mean(axis=0))
+    slows = _slows(moved) if among else 0.5 * _slows(np.array([now - 0.25 * differs, now + 0.25 * differs]))
+    differs = now - moved[-2] if among else differs
+    # What changes along the way makes it come sooner or later, not aside.
+    square = float(now @ now)
+    aside = float(np.linalg.norm(differs - (differs @ now) / square * now if square else differs)) / lasts
+    return Rounds(centre, reach, now / lasts, aside, lasts * slows, growth / (several * lasts) * grows)
+
+
+def _least(rest: Floats, begun: Floats, reach: float) -> float:
+    """What rounds that stay seem to move by at most [m]: of changes that are as large as the places from which they
+    begin are far out, as of a spiral, only the second order."""
+    away = begun - begun.mean(axis=0)
+    linear = away @ np.linalg.lstsq(away.T @ away, away.T @ rest, rcond=None)[0]
+    return LEAST * reach + _size(linear) ** 2 / reach + AMONG * _size(rest - linear)
+
+
+def _alike(places: Floats, count: int, most: int) -> int:
+    """How many rounds have the velocities of those before them, at most so many; one has."""
+    moved = places[1:] - places[:-1]
+    for k in range(1, most):
+        now, before = (moved[len(moved) - (k + j + 1) * count : len(moved) - (k + j) * count] for j in (0, 1))
+        if len(before) < count or _size(now - before) > math.sqrt(TWICE * AGAIN) * _size(now):
+            return k
+    return most
+
+
+def _size(vectors: Floats) -> float:
+    """The root mean square length of vectors (n, 3)."""
+    return math.sqrt(float((vectors * vectors).sum(axis=1).mean()))
 
 
 def _slows(moved: Floats) -> float:
@@ -175,7 +211,7 @@ def _period(places: Floats, count: int, each: float) -> tuple[Floats, float, Flo
         for k in range(3):
             product += (moved[i, k] - usual[0, k]) * (speed[i, k] - usual[1, k])
             square += (speed[i, k] - usual[1, k]) ** 2
-    longer = product / square
+    longer = product / square if square > 0.0 else 0.0
     for i in range(count):
         for k in range(3):
             moved[i, k] -= usual[0, k] + longer * (speed[i, k] - usual[1, k])
@@ -202,16 +238,27 @@ def _irregular(places: Floats, each: float) -> Rounds | None:
         return None
     parts = places[-4 * quarter :].reshape(4, quarter, 3)
     centres, spreads = parts.mean(axis=1), np.array([_spread(part, quarter, np.zeros(3)) for part in parts])
-    reach, time = float(samples.lengths(parts[3] - centres[3]).max()), 3.0 * quarter * each
-    moved = centres[3] - centres[0]
-    onward = (centres[1:] - centres[:-1]) @ moved >= EVEN * float(moved @ moved)
-    carried = float(np.linalg.norm(moved)) > LOOSE * reach and bool(onward.all())
+    last, time = parts[3] - centres[3], 3.0 * quarter * each
+    reach = float(samples.lengths(last).max())
+    goes = _onward(centres, LOOSE * reach, EVEN)
+    if not goes.any():
+        # Across the plane or the line about which it moves, as upwards, it shows sooner.
+        for way in np.linalg.eigh(last.T @ last)[1].T:
+            least = max(ACROSS[0] * float(np.abs(last @ way).max()), LEAST * reach)
+            goes = goes + _onward((centres @ way)[:, None] * way, least, ACROSS[1])
     growth = float(spreads[3] - spreads[0])
     grows = growth > LOOSE * float(spreads[0]) and bool((np.diff(spreads) >= EVEN * growth).all())
-    if not carried and not grows:
+    if not goes.any() and not grows:
         return None
-    goes = moved / time if carried else 0.0 * moved
-    return Rounds(centres[3], reach, goes, grows=growth / time if grows else 0.0)
+    return Rounds(centres[3], reach, goes / time, grows=growth / time if grows else 0.0)
+
+
+def _onward(centres: Floats, least: float, evenly: float) -> Floats:
+    """By how much the centres of four quarters (4, 3) moved on (3,) [m]; 0 if that's not more than the least, or less
+    than evenly in one of them."""
+    moved: Floats = centres[3] - centres[0]
+    parts = (centres[1:] - centres[:-1]) @ moved >= evenly * float(moved @ moved)
+    return moved if float(np.linalg.norm(moved)) > least and parts.all() else 0.0 * moved
 
 
 def _circular(moved: Floats) -> bool:
@@ -238,10 +285,13 @@ def _fit(velocities: Floats, each: float) -> tuple[Floats, float, Floats, float]
 
 
 @compiled
-def _returning(velocities: Floats, least: int, most: int) -> int:
+def _returning(velocities: Floats, least: int, most: int, late: int) -> int:
     """The lowest number of intervals, of so many at least and at most, after which velocities (n, 3) are what they
     were; 0 if there is none."""
-    differ, top = np.zeros(most + 2), 0.0
+    differ, top, square = np.zeros(most + 2), 0.0, 0.0
+    for i in range(max(0, len(velocities) - late), len(velocities)):
+        for k in range(3):
+            square += velocities[i, k] * velocities[i, k]
     for lag in range(1, most + 1):
         every, found, count = max(1, lag // COUNTED), 0.0, 0
         for i in range(len(velocities) - 1, len(velocities) - 1 - lag, -every):
@@ -251,6 +301,7 @@ def _returning(velocities: Floats, least: int, most: int) -> int:
             count += 1
         differ[lag] = found / count
         top = max(top, differ[lag])
+    top = min(top, TWICE * square / max(1, min(late, len(velocities))))
     differ[most + 1] = differ[most]
     away = False
     for lag in range(1, most + 1):

@@ -7,6 +7,7 @@ from worker.running.processes import blas as blas  # before numpy is loaded
 
 # isort: split
 import gc
+import os
 import re
 import ssl
 import sys
@@ -58,6 +59,9 @@ Those that need the fixture `flown` are together. The groups take about as long 
 
 SPREAD = ("contract/test_compiled.py",)
 """Files whose tests share only a closed loop: tests whose ids start with the same number stay together."""
+
+UMASK = os.umask(0)
+os.umask(UMASK)
 
 
 def pytest_group_of(item: pytest.Item) -> str:
@@ -112,6 +116,11 @@ def pytest_collection() -> Generator[None, object, object]:
         return (yield)
     finally:
         sys.dont_write_bytecode = forbidden
+
+
+def pytest_runtest_teardown() -> None:
+    """A command that a test calls in this process may keep what is made later private."""
+    os.umask(UMASK)
 
 
 def load() -> None:

@@ -32,7 +32,6 @@ influence or avoidance in tests/unit/evidence/verdicts. `out_of_reach` is as `ne
 `mean_of_realisations` as `one_realisation`, `side_switch` as `mild_violation`."""
 
 
-@pytest.mark.by_day(2)
 @pytest.mark.by_day(4)
 @pytest.mark.timeout(600)
 @pytest.mark.parametrize("kind", nightly_but(BY_DAY, NAMES))

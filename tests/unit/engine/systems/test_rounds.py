@@ -316,7 +316,7 @@ def met(problem: Problem) -> Beyond:
     return found
 
 
-@pytest.mark.by_day(2)
+@pytest.mark.by_day(1)
 @pytest.mark.parametrize("component", ["sphere", "orbiting_sphere"])
 @pytest.mark.parametrize("wind", [2.0, -1.0])
 @pytest.mark.parametrize("horizons", [6, 9])
@@ -331,12 +331,14 @@ def test_what_the_wind_carries_a_circling_aircraft_to_is_not_known(component: st
     assert behind.unknown is None
 
 
+@pytest.mark.nightly
 def test_without_wind_it_stays_where_it_circles() -> None:
     away = later(0.0, 9) + np.array([300.0, 0.0, 0.0])
     assert met(turning(0.0, at(away))).unknown is None
 
 
-@pytest.mark.parametrize("component", ["sphere", "orbiting_sphere"])
+@pytest.mark.by_day(1)
+@pytest.mark.parametrize("component", ["orbiting_sphere", "sphere"])
 def test_what_is_far_along_a_wide_circle_is_not_known(component: str) -> None:
     """An obstacle that repeats its path is there whenever the vehicle comes."""
     found = met(turning(0.0, at(later(0.0, 12, 0.005), component), rudder=0.005))

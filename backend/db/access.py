@@ -17,8 +17,7 @@ from typing import Any, Literal
 import sqlalchemy as sa
 
 from backend.db import engine
-from backend.db.roles import LOCAL as LOCAL
-from backend.db.roles import ROLES, SCOPES, Role, Scope, has_scope, widest
+from backend.db.roles import LOCAL, ROLES, SCOPES, Role, Scope, has_scope, widest
 from backend.db.tables import LoginLink, Session, Token, User
 from campaigns.refusals import Refusal, RefusalCode
 

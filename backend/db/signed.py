@@ -10,7 +10,7 @@ from typing import NamedTuple
 import sqlalchemy as sa
 
 from backend.db import audit
-from backend.db.access import LOCAL
+from backend.db.roles import LOCAL
 from backend.db.tables import Signoff
 from campaigns.runs import run_name
 

@@ -8,9 +8,9 @@ from dataclasses import dataclass
 
 import sqlalchemy as sa
 
-from backend.db.access import LOCAL, AccessError, close_sessions, hashed, token_named
+from backend.db.access import AccessError, close_sessions, hashed, token_named
 from backend.db.engine import now
-from backend.db.roles import ROLES, Role
+from backend.db.roles import LOCAL, ROLES, Role
 from backend.db.tables import Invitation, ServiceSetting, Session, User
 
 INVITATION_LIFETIME = 3 * 24 * 3600.0

@@ -9,6 +9,7 @@ import sqlalchemy as sa
 from backend.db import access, audit, identities, passwords, users
 from backend.db.access import Visitor
 from backend.db.engine import read
+from backend.db.roles import LOCAL
 from backend.http.errors import RefusedError
 from backend.sessions.failures import UNKNOWN
 from campaigns import Problem
@@ -25,7 +26,7 @@ def open_by_link(engine: sa.Engine, code: str, browser: Browser) -> str | None:
     with engine.begin() as writer:
         if not access.use_login_code(writer, code):
             return None
-        return _opened(writer, access.LOCAL, "link", browser)
+        return _opened(writer, LOCAL, "link", browser)
 
 
 def open_by_password(engine: sa.Engine, name: str, browser: Browser) -> str | None:

@@ -8,7 +8,8 @@ from typing import Any
 import sqlalchemy as sa
 
 from backend.db import users
-from backend.db.access import LOCAL, Visitor
+from backend.db.access import Visitor
+from backend.db.roles import LOCAL
 from backend.db.signed import signer
 from campaigns.alike import plain
 

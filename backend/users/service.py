@@ -5,8 +5,9 @@ from __future__ import annotations
 import sqlalchemy as sa
 
 from backend.db import audit, identities, users
-from backend.db.access import LOCAL, Visitor
+from backend.db.access import Visitor
 from backend.db.engine import now
+from backend.db.roles import LOCAL
 from backend.http.errors import RefusedError, existing
 from backend.http.matches import require_match, tag
 from backend.users.schemas import AccessSettings, Invitation, User, UserChange, UserInvite

@@ -29,12 +29,13 @@ def login_link(
 ) -> None:
     """Print a new login link, single-use and valid for 15 minutes; earlier unused links are revoked."""
     from backend.db import access, audit
+    from backend.db.roles import LOCAL
 
     if data is None:
         data = DATA if database else served()
     with opened(data, database) as connection:
         code = access.create_login_code(connection)
-        audit.note_command(connection, operator(), "login_link.made", access.LOCAL, {})
+        audit.note_command(connection, operator(), "login_link.made", LOCAL, {})
     typer.echo(f"{(url or _serving(data) or STANDARD).rstrip('/')}/login?code={code}")
 
 

@@ -22,8 +22,9 @@ import sqlalchemy as sa
 
 from backend.catalog import service
 from backend.catalog.endpoints import _campaign
-from backend.db.access import LOCAL, Visitor
+from backend.db.access import Visitor
 from backend.db.engine import connect, read
+from backend.db.roles import LOCAL
 from backend.http.errors import RefusedError, invalid, respond
 from backend.middleware.frame import LARGEST_BODY
 from backend.runs import submission

@@ -8,8 +8,8 @@ from pathlib import Path
 import pytest
 import sqlalchemy as sa
 
-from backend.db.access import LOCAL
 from backend.db.engine import connect, migrate
+from backend.db.roles import LOCAL
 from backend.db.tables import Base
 from tests.faults import postgres
 from tests.migrated import migrated

@@ -14,12 +14,12 @@ import sqlalchemy as sa
 from alembic import command
 
 from backend.db import access, revision, users
-from backend.db.access import LOCAL
 from backend.db.backup import BackupError, backup, restore
 from backend.db.damage import damage
 from backend.db.engine import connect, default_url, migrate, read
 from backend.db.migrate import config
 from backend.db.queue import LostLease, Queue, submit
+from backend.db.roles import LOCAL
 from backend.db.tables import Base, Run
 from campaigns.stages.plan import most
 from clearance.cli import WRONG_INPUT, invoke

@@ -222,7 +222,7 @@ def test_a_rolling_upgrade_with_runs_in_flight(service: Service, place: Path, tm
     """Under load all workers are replaced, one by kill -9; later one of the old version returns. No run fails, and none
     mixes versions."""
     scenario = {**SCENARIO, "horizon": 30.0, "step": 0.002}
-    asked = campaign(scenario=scenario, stages={"search": [{"method": "direct", "evaluations": 8_000}]})
+    asked = campaign(scenario=scenario, stages={"search": [{"method": "direct", "evaluations": 4_000}]})
     runs = [service.submitted(asked) for _ in range(4)]
     old, new = Release(place), Release(place, SHIFTED)
     with ExitStack() as replaced:

@@ -10,11 +10,11 @@ import sqlalchemy as sa
 import yaml
 
 from backend.db import refusals
-from backend.db.access import LOCAL
 from backend.db.engine import read
 from backend.db.queue import Queue
 from backend.db.queue import submit as put
 from backend.db.refusals import AGAIN
+from backend.db.roles import LOCAL
 from backend.db.store import RunStore
 from backend.db.sweeps import in_sweep
 from backend.db.tables import CatalogueDocument, EvaluationChunk, Run, RunRefusal, Sweep, SweepRun, Worker

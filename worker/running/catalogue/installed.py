@@ -59,15 +59,18 @@ def skipped() -> list[UnusableEntry]:
 def own_modules(used: Iterable[Component]) -> tuple[str, ...]:
     """The modules of the operator that declare these components, and those that they import."""
     paths = {f"{own.PACKAGE}.{file.stem}": file for file in own.files()}
-    homes = {home for component in used if (home := _HOMES.get(id(component), "")).startswith(f"{own.PACKAGE}.")}
+    homes = {home for component in used if (home := _home(component)).startswith(f"{own.PACKAGE}.")}
     return tuple(sorted({name for home in homes for name in own.modules_of(home, paths)})) if homes else ()
 
 
-_HOMES: dict[int, str] = {}
-"""The modules that declare the components, by the components' identity."""
-_SHIPPED: dict[int, tuple[Component, ComponentEntry]] = {}
-"""What is shipped as data, by its identity: described once, however often simulators are looked for again. The
-component is kept, so that no other one gets its identity."""
+_HOMES: dict[int, tuple[Component, str]] = {}
+"""Components with the modules that declare them, by identity: a component is kept, so that no other gets its own."""
+_SHIPPED: dict[int, ComponentEntry] = {}
+"""What is shipped as data, by its identity: described once, however often simulators are looked for again."""
+
+
+def _home(thing: object) -> str:
+    return _HOMES[id(thing)][1] if id(thing) in _HOMES else ""
 
 
 @cache
@@ -80,7 +83,7 @@ def _found() -> tuple[dict[tuple[Role, str], Component], list[UnusableEntry]]:
             component = _component_of(module)
             if component is not None:
                 _add(found, (component.role, component.name), component, module)
-                _HOMES[id(component)] = module.__name__
+                _HOMES[id(component)] = component, module.__name__
     others: list[tuple[str, str, Path | None]] = [
         (entry.name, entry.module, None) for entry in entry_points(group="clearance.components")
     ]
@@ -108,7 +111,7 @@ def _added(found: dict[tuple[Role, str], Component], name: str) -> str:
         key = component.role, component.name
         reason = _kept(found, key, component, f"the {component.role} {component.name!r}")
         if not reason:
-            _HOMES[id(component)] = name
+            _HOMES[id(component)] = component, name
         return reason
 
     return _loaded(name, add)
@@ -234,11 +237,11 @@ def catalogue() -> Catalogue:
 def _entry(component: Component) -> ComponentEntry:
     """A component as data, of criteria that are not shipped with the digest of their code; shipped faults that read
     the time and declare no switches do not jump."""
-    home = _HOMES.get(id(component), "")
+    home = _home(component)
     if home.startswith("worker.engine.components.") and not home.startswith(f"{own.PACKAGE}."):
         if id(component) not in _SHIPPED:
-            _SHIPPED[id(component)] = component, component_entry(component, source_of(component))
-        return _SHIPPED[id(component)][1]
+            _SHIPPED[id(component)] = component_entry(component, source_of(component))
+        return _SHIPPED[id(component)]
     entry = component_entry(component, source_of(component))
     if isinstance(component, Fault | Environment):
         return entry.model_copy(update={"unswitched": unswitched(component)})
@@ -251,8 +254,8 @@ def _entry(component: Component) -> ComponentEntry:
 
 def source_of(thing: Component | Method | Simulator | PythonFunction) -> ModuleType:
     """The module that declares a component or method, or opens a simulator."""
-    if id(thing) in _HOMES:
-        return sys.modules[_HOMES[id(thing)]]
+    if home := _home(thing):
+        return sys.modules[home]
     if isinstance(thing, PythonFunction):
         return sys.modules[thing.place["module"]]
     assert isinstance(thing, Method | Simulator)

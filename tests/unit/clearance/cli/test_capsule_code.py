@@ -226,7 +226,7 @@ def test_a_run_records_the_source_of_a_packages_component(tmp_path: Path, monkey
 
     with pytest.MonkeyPatch.context() as patched:
         patched.setitem(recorded.installed.components(), ("avoider", "my_field"), acme_fields.component)
-        patched.setitem(recorded.installed._HOMES, id(acme_fields.component), FOREIGN)
+        patched.setitem(recorded.installed._HOMES, id(acme_fields.component), (acme_fields.component, FOREIGN))
         patched.setitem(recorded.sources.LOADED.files, FOREIGN, (tmp_path / f"{FOREIGN}.py").read_bytes())
         document = campaign.document()
         document["scenario"]["avoider"]["component"] = "my_field"

@@ -52,10 +52,10 @@ def test_where_a_thing_is_declared() -> None:
 
 def test_what_is_described_once_is_kept_while_its_identity_stands_for_it() -> None:
     known = catalogue()
-    component = components()["vehicle", "unicycle"]
-    kept, entry = installed._SHIPPED[id(component)]
-    assert kept is component
-    assert entry is known.component("vehicle", "unicycle")
+    for (role, name), component in components().items():
+        kept, home = installed._HOMES[id(component)]
+        assert kept is component, f"another {role} may get the identity of {name!r} and be taken to be of {home}"
+        assert installed._SHIPPED[id(component)] is known.component(role, name)
 
 
 def in_a_new_process(code: str, folder: Path) -> subprocess.CompletedProcess[str]:

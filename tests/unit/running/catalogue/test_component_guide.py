@@ -47,7 +47,7 @@ def test_the_example_in_space_is_that_of_the_files_and_can_be_simulated(monkeypa
         found.append(declared_by(source, f"worker.engine.components.own.{name}"))
         flown(found[-1], source, {"multirotor": found[0]}.get)
     shipped = installed.catalogue().components  # before their homes are replaced
-    monkeypatch.setattr(installed, "_HOMES", {id(c): f"worker.engine.components.own.{c.name}" for c in found})
+    monkeypatch.setattr(installed, "_HOMES", {id(c): (c, f"worker.engine.components.own.{c.name}") for c in found})
     entries = [*shipped, *(component_entry(c, source_of(c)) for c in found)]
     known = installed.catalogue().model_copy(update={"components": entries})
     assert check(load_file(EXAMPLES / "campaigns" / "multirotor.yaml"), known) == []

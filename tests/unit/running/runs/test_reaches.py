@@ -166,7 +166,7 @@ def known(monkeypatch: pytest.MonkeyPatch, request: pytest.FixtureRequest) -> In
     every = installed.components() | {("obstacle", "post"): post}
     monkeypatch.setattr(installed, "components", lambda: every)
     monkeypatch.setattr(installed, "catalogue", lambda: listed)
-    monkeypatch.setitem(installed._HOMES, id(post), __name__)
+    monkeypatch.setitem(installed._HOMES, id(post), (post, __name__))
     return Installed(every, listed)
 
 

@@ -23,8 +23,8 @@ ALIKE, SLOWS = 0.5, 0.7
 """By what fraction of their mean rounds may differ that are all carried on, or grow; and of what they were carried at
 first that is left where that becomes less."""
 LOOSE, EVEN = 0.5, 1.0 / 6.0
-"""The same, of what moves about irregularly, from the first to the last quarter of the time in which it is seen; of
-that, the least part from each quarter to the next."""
+"""Of what moves about irregularly: what `LEAST` is of rounds, from the first to the last quarter of the time in which
+it is seen; of that, the least part from each quarter to the next."""
 ACROSS = 2.0, 0.25
 """The same, along a line along which it hardly moves about."""
 AGAIN, APART = 0.01, 0.25

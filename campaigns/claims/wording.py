@@ -5,11 +5,11 @@ from __future__ import annotations
 from campaigns.version import VERSION
 from campaigns.versions import Versions
 
-WORDING = 23
+WORDING = 24
 """Raised when a sentence of a result changes: the audit makes sentences again only where the same templates made them.
 Stored with the versions of a run since 2."""
 
-CLEARING = 23
+CLEARING = 24
 """The version since which a run is cleared by the rules of today: raised to `WORDING` with each rule that can withdraw
 "cleared". The audit has it a second time."""
 

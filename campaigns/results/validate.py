@@ -239,6 +239,9 @@ class Encounter(Result):
     begins: Annotated[dict[str, tuple[float, float]], UNLESS_EMPTY] = {}
     """By path, of faults and the environment: the earliest and the latest instant at which it first changes, by the
     switches that it declares [s], of those for which the latest is after the horizon, or both are at its end."""
+    whole: Annotated[dict[str, tuple[float, float]], UNLESS_EMPTY] = {}
+    """By path, of faults and the environment that build up: the earliest and the latest instant at which the effect is
+    whole [s], of those for which the latest is after the horizon. Omitted in results of earlier versions."""
     idle: Annotated[dict[str, int], UNLESS_EMPTY] = {}
     """By path, of faults and the environment that change no flight: of so many that were compared, spread over the
     bounds. Omitted in results of earlier versions, which compared none."""

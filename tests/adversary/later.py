@@ -166,4 +166,23 @@ def _fast(name: str, made: dict[str, Any], period: float) -> Attack:
     return Attack(name, made, ANY if lowest > made["criterion"]["threshold"] else NOT_CLEARED)
 
 
-CLASSES = (straight_after_the_horizon, turning_after_the_horizon, aliased_on_the_path, there_and_back)
+def builds_up_after_the_horizon(random: np.random.Generator) -> Attack:
+    """A fault of the torque that would be whole only after the robot is at its goal; of what flights meet of it, little
+    or nothing shows."""
+    at, over = float(random.uniform(0.0, 6.0)), float(10.0 ** random.uniform(1.5, 5.9))
+    component, value = [("hard_over", {"value": 5.0}), ("actuator_loss", {"loss": 1.0}), ("actuator_stuck", {})][
+        int(random.integers(0, 3))
+    ]
+    fault = {"component": component, "on": "torque", "parameters": value | {"at": at, "over": over}}
+    return campaign(
+        "builds up after the horizon", random, NOT_CLEARED, scenario__faults=[fault], scenario__horizon=13.0
+    )
+
+
+CLASSES = (
+    straight_after_the_horizon,
+    turning_after_the_horizon,
+    aliased_on_the_path,
+    there_and_back,
+    builds_up_after_the_horizon,
+)

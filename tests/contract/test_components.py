@@ -14,7 +14,8 @@ from clearance.testing import ComponentContract
 from clearance.testing.problems import Problem
 from clearance.testing.rates import turns_as_declared
 from clearance.testing.scenes import entry, own, problem
-from worker.engine.kernels.component import Component, Criterion, Obstacle, Vehicle, declared
+from worker.engine.kernels.bind import plain
+from worker.engine.kernels.component import Component, Criterion, Environment, Fault, Obstacle, Vehicle, declared
 from worker.running.catalogue.installed import catalogue, components
 
 EACH = pytest.mark.parametrize("component", components().values(), ids=lambda c: f"{c.role}-{c.name}")
@@ -141,3 +142,36 @@ def test_a_far_obstacle_does_not_fail_a_flight() -> None:
     vector = flown.vector({"obstacles.0.position.x": 1e6, "obstacles.0.position.y": 1e6})
     batch, reasons = flown.system.simulate_vectors(vector[None, :])
     assert batch.status[0] == OK, reasons
+
+
+BUILDING = [
+    c
+    for c in components().values()
+    if (isinstance(c, Environment) and not c.draws) or (isinstance(c, Fault) and c.path == "actuator")
+    if c.switches and c.derived is None
+]
+
+
+@pytest.mark.parametrize("component", BUILDING, ids=lambda c: f"{c.role}-{c.name}")
+def test_what_builds_up_declares_from_when_its_effect_is_whole(component: Environment | Fault) -> None:
+    """Nothing that comes later is larger, and what takes time to build up is not whole at once."""
+    p = component.parameters(
+        *(
+            p.default + 1.0 + 0.5 * k if p.unit == "s" and p.default < 1e3 else 1.0 + 0.1 * k
+            for k, p in enumerate(declared(component.parameters))
+        )
+    )
+    instants = component.switches(p, 100.0)
+
+    def effect(t: float) -> float:
+        if isinstance(component, Environment):
+            return float(np.linalg.norm(plain(component.blow)(t, None, None, (0.0,) * component.states, p)[0]))
+        return abs(plain(component.kernel)(t, 3.0, (0.5,) * component.states, p)[0] - 3.0)
+
+    times = np.arange(0.0, max(instants) + 2.0, 0.01)
+    effects = np.array([effect(t) for t in times])
+    assert effects.max() > 0.0
+    whole = instants[component.whole]
+    assert effect(whole + 1e-6) == pytest.approx(effects.max(), rel=1e-6)
+    early = effects[times < whole - 0.1]
+    assert component.whole == 0 or early.max() < 0.999 * effects.max()

@@ -190,6 +190,8 @@ FLOWN = [
          r"Sight\(\.\.\.\) lacks visible"),
     Slip("switches that are not a list", "fault", "    return [p.at]", "    return p.at", "switches=switches",
          r"switches returns float, expected a list of instants"),
+    Slip("an index of no instant", "fault", "    switches=switches,", "    switches=switches,\n    whole=1,", "whole=1",
+         r"whole is 1, expected the index of one of the 1 instants that switches returns"),
 ]  # fmt: skip
 """Found in a short simulation in plain Python."""
 

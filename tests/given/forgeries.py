@@ -201,6 +201,11 @@ def _never(folder: Folder) -> None:
     folder.evidence["results"][5]["encounter"]["begins"] = {"faults.0": [1e3, 2e3]}
 
 
+def _partly(folder: Folder) -> None:
+    """A fault that still builds up at the end of every flight, and a check that holds."""
+    folder.evidence["results"][5]["encounter"]["whole"] = {"faults.0": [1e3, 2e3]}
+
+
 def _approaching(folder: Folder) -> None:
     """An obstacle with states that approaches at the end of what is known of it, and a check that holds."""
     later = {
@@ -482,6 +487,7 @@ FORGERIES: list[Forgery] = [
     Forgery("an approach of which no more is known", "cleared", _approaching),
     Forgery("a distance that is not computed", "cleared", _mismeasured),
     Forgery("a fault that no flight has", "cleared", _never),
+    Forgery("a fault that no flight has as a whole", "cleared", _partly),
     Forgery("code of another version", "cleared", _other_code, "result.versions"),
     Forgery("code of another version alone", "cleared", edit("result/versions/code", "0" * 64)),
     Forgery("a probability", "estimated", edit(f"{ESTIMATE_}/probability", 0.001)),

@@ -107,6 +107,7 @@ def test_the_audit_has_the_same_limits() -> None:
         "EACH",
         "PARTS",
         "CARRIED",
+        "BUILT",
         "CLEARING",
         "BOTTOM",
         "TOP",

@@ -269,8 +269,8 @@ class Environment:
     """A part of the environment.
 
     A random one may have `draw`, which returns `draws` samples that change only at its `switches`; `blow` takes them
-    before p. With default parameters it has no effect. `switches` and a parameter `seed` as in `Fault`, `frame` as in
-    `Avoider`.
+    before p. With default parameters it has no effect. `switches`, `whole` and a parameter `seed` as in `Fault`,
+    `frame` as in `Avoider`.
     """
 
     name: str
@@ -283,6 +283,7 @@ class Environment:
     draws: int = 0
     derived: Derived | None = None
     switches: Switches | None = None
+    whole: int = 0
     frame: Frame | None = None
     orders: tuple[Order, ...] = ()
     role: Literal["environment"] = "environment"
@@ -301,7 +302,8 @@ class Fault:
 
     With default parameters it has no effect: the defaults are zero magnitude. A parameter named `seed` selects a
     realisation; the campaign sets it, differently for every component and realisation. `switches` returns the instants
-    of its discontinuities, so that the reference integrator can restart there.
+    of its discontinuities, so that the reference integrator can restart there; `whole` is the index of the one from
+    which on its effect is whole, if it builds up until then.
     """
 
     name: str
@@ -313,6 +315,7 @@ class Fault:
     rest: sig.Rest | None = None
     derived: Derived | None = None
     switches: Switches | None = None
+    whole: int = 0
     frame: Frame | None = None
     orders: tuple[Order, ...] = ()
     role: Literal["fault"] = "fault"

@@ -132,6 +132,8 @@ class Shown:
     """As in `Encounter`."""
     idle: Mapping[str, int] = field(default_factory=dict)
     """As in `Encounter`."""
+    whole: Mapping[str, tuple[float, float]] = field(default_factory=dict)
+    """As in `Encounter`."""
 
 
 @dataclass(frozen=True)

@@ -46,10 +46,13 @@ def required_checks(run: Run, agreed: bool) -> dict[str, bool]:
 
 
 def _never(run: Run) -> bool:
-    """Whether a fault, or the environment, first changes after the end of every flight, or changes none."""
-    encounter = run.claims["results"][-1].get("encounter") or {}
-    begins = (encounter.get("begins") or {}).values()
-    return bool(encounter.get("idle")) or any(first >= run.campaign.given_scenario.horizon for first, _ in begins)
+    """Whether a fault, or the environment, first changes or has its whole effect after the end of every flight, or
+    changes none."""
+    encounter, scenario = run.claims["results"][-1].get("encounter") or {}, run.campaign.scenario
+    begins, whole = ((encounter.get(name) or {}).values() for name in ("begins", "whole"))
+    horizon = math.inf if scenario is None else scenario.horizon
+    late = any(first >= horizon for first, _ in begins) or any(first > horizon for first, _ in whole)
+    return late or bool(encounter.get("idle"))
 
 
 def as_stated(run: Run) -> dict[str, bool]:

@@ -72,9 +72,13 @@ down will stand is not known."""
 CARRIED = 23
 """The version since which what carries a circling vehicle on, rounds that grow and the wide circle of a slight turn are
 followed, and an obstacle that each turn moves on by a hair's breadth does not repeat its path."""
+BUILT = 24
+"""The version since which a fault or the environment must have its whole effect before every flight ends."""
 BOTTOM, TOP, MANY = 0.1, 0.9, 100
 """A nominal value is far above so many costs if none is between these fractions of its height."""
-CLEARING = max(ROUNDED, LOWEST, SHARED, AFTER, HALVED, WIDER, ALIKE, MEASURED, GRANTED, NEAREST, EACH, PARTS, CARRIED)
+CLEARING = max(
+    ROUNDED, LOWEST, SHARED, AFTER, HALVED, WIDER, ALIKE, MEASURED, GRANTED, NEAREST, EACH, PARTS, CARRIED, BUILT
+)
 """The version since which the rules that can withdraw "cleared" are those of today."""
 RULES = max(CLEARING, BASINS, BASELINES, BESIDE, TAILS, CALLED, VIOLATING, WHOLE)
 """The version since which the rules are those of today."""

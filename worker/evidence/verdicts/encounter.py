@@ -260,8 +260,11 @@ def _ended(case: NominalCase | Unseen) -> str:
 
 def _influence(problem: Problem, evidence: Evidence) -> Condition:
     quantity, unit = symbol(problem.quantity), problem.unit
-    if never := [path for path, (first, _) in evidence.encounter.begins.items() if first >= _horizon(problem)]:
-        return False, _never(problem, never[0], *evidence.encounter.begins[never[0]])
+    begins, whole = evidence.encounter.begins, evidence.encounter.whole
+    if never := [path for path, (first, _) in begins.items() if first >= _horizon(problem)]:
+        return False, _never(problem, never[0], *begins[never[0]])
+    if partly := [path for path, (first, _) in whole.items() if first > _horizon(problem)]:
+        return False, _partly(problem, partly[0], *whole[partly[0]])
     if evidence.encounter.idle:
         return False, _idle(problem, evidence.encounter.idle)
     by = varies(evidence, problem.threshold)
@@ -282,8 +285,9 @@ def _influence(problem: Problem, evidence: Evidence) -> Condition:
         more = "" if shown.fewest == shown.most else " or more"
         at = say(" at the ", count(shown.fewest), more, " values of each curve: ")
         statement = say(statement, "; varying these alone has no effect", at, listed(without))
-    for path, (_, last) in evidence.encounter.begins.items():
-        late = say(f"; {_part(problem, path)} first changes at ", number(last, "s", "begins", 4), " with some values, ")
+    for path, (_, last) in (whole | begins).items():
+        happens, name = ("first changes", "begins") if path in begins else ("has its whole effect", "whole")
+        late = say(f"; {_part(problem, path)} {happens} at ", number(last, "s", name, 4), " with some values, ")
         statement = say(statement, late, "when no flight lasts as long")
     for path, statuses in no_value.items():
         if path not in shown.changing:
@@ -298,9 +302,21 @@ def _influence(problem: Problem, evidence: Evidence) -> Condition:
 
 def _never(problem: Problem, path: str, first: float, last: float) -> Spans:
     """That a fault, or the environment, first changes after the end of every flight."""
+    then = _after_all(problem, first, last)
+    return say(f"{_part(problem, path)} first changes at ", then, "; begin it earlier, or remove it")
+
+
+def _partly(problem: Problem, path: str, first: float, last: float) -> Spans:
+    """That a fault, or the environment, still builds up at the end of every flight."""
+    then = _after_all(problem, first, last)
+    instead = "; let it build up sooner, or state the part of it that flights meet"
+    return say(f"{_part(problem, path)} has its whole effect only at ", then, instead)
+
+
+def _after_all(problem: Problem, first: float, last: float) -> Spans:
+    """Instants, and how long flights last."""
     then = say(number(first, "s", "first", 4), *(() if first == last else (" to ", number(last, "s", "last", 4))))
-    lasts = say(", and flights last ", number(_horizon(problem), "s", "horizon", 4))
-    return say(f"{_part(problem, path)} first changes at ", then, lasts, "; begin it earlier, or remove it")
+    return say(then, ", and flights last ", number(_horizon(problem), "s", "horizon", 4))
 
 
 def _idle(problem: Problem, idle: Mapping[str, int]) -> Spans:

@@ -221,6 +221,8 @@ def _lacking(c: Component) -> Iterator[tuple[str, str, str]]:
         yield "states", "wake", "it gives the states at the start"
     if isinstance(c, Environment) and (c.draw is None) != (c.draws == 0):
         yield ("draws", "draw", "it returns so many samples") if c.draw is None else ("draw", "draws", "say how many")
+    if isinstance(c, Environment | Fault) and c.whole and c.switches is None:
+        yield "whole", "switches", "it is the index of one of the instants that they return"
     if isinstance(c, Fault) and c.states and (c.rest is None or c.path != "actuator"):
         yield "states", "rest, and the path 'actuator'", "only actuator faults have states"
     if isinstance(c, Criterion) and c.worse == "low":

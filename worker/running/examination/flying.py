@@ -210,6 +210,12 @@ def _check_switches(component: Component, slot: Slot, source: Source) -> None:
             f"switches returns {type(found).__name__}, expected a list of instants [s], such as [p.at]",
             source.line_of("switches"),
         )
+    whole = getattr(component, "whole", 0)
+    if not 0 <= whole < max(len(found), 1):
+        raise Mistake(
+            f"whole is {whole}, expected the index of one of the {len(found)} instants that switches returns, from 0",
+            source.line_of("whole"),
+        )
 
 
 def _code(function: Any) -> CodeType:

@@ -112,6 +112,30 @@ def test_what_begins_only_after_the_horizon_is_named(campaign: Campaign, begins:
     assert encounter.late(opened.flights(campaign, compiled=False, lanes=1)) == begins
 
 
+def rising(rise: float) -> Campaign:
+    return changed(environment=[{"component": "discrete_gust", "parameters": {"x": 1.0, "at": 0.5, "rise": rise}}])
+
+
+@pytest.mark.parametrize(
+    ("campaign", "whole"),
+    [
+        (stuck(1.0), {}),
+        (stuck(0.5, over=1.5), {}),
+        (stuck(1.9, over=0.1), {}),
+        (stuck(1.9, over=5.0), {"faults.1": (6.9, 6.9)}),
+        (stuck(1.0, over=0.5, **{"faults.1.over": {"low": 0.5, "high": 1e5}}), {"faults.1": (1.5, 100_001.0)}),
+        (stuck(1.0, over=9.0, **{"faults.1.over": {"low": 2.0, "high": 9.0}}), {"faults.1": (3.0, 10.0)}),
+        (rising(1.5), {}),
+        (rising(1e6), {"environment.0": (1e6 + 0.5, 1e6 + 0.5)}),
+    ],
+)  # fmt: skip
+def test_what_still_builds_up_after_the_horizon_is_named(campaign: Campaign, whole: dict[str, Any]) -> None:
+    """Of a gust of 30 m/s that rises in days, "cleared ... with Discrete gust" was stated of flights of 15 s."""
+    flights = opened.flights(campaign, compiled=False, lanes=1)
+    assert encounter.late(flights, whole=True) == whole
+    assert encounter.late(flights) == {}
+
+
 def test_what_ends_only_after_the_horizon_is_simulated_to_its_end() -> None:
     """A blackout from within the horizon hides an obstacle that the vehicle meets after it, unless it is over then."""
     here, velocity = under_way()

@@ -284,6 +284,20 @@ ON = "when simulated on to 30 s"
             "vehicle (unicycle) first changes at 15 s, and flights last 15 s; begin it earlier, or remove it",
         ),
         (
+            "influence", True, met(whole={"vehicle": (15.0, 40.0)}),
+            "; vehicle (unicycle) has its whole effect at 40 s with some values, when no flight lasts as long",
+        ),
+        (
+            "influence", True, met(begins={"vehicle": (3.0, 40.0)}, whole={"vehicle": (4.0, 41.0)}),
+            "over the evaluations; vehicle (unicycle) first changes at 40 s with some values, when no flight lasts as "
+            "long",
+        ),
+        (
+            "influence", False, met(begins={"vehicle": (3.0, 40.0)}, whole={"vehicle": (16.0, 41.0)}),
+            "vehicle (unicycle) has its whole effect only at 16 s to 41 s, and flights last 15 s; let it build up "
+            "sooner, or state the part of it that flights meet",
+        ),
+        (
             "influence", False, met(idle={"vehicle": 117}),
             "changes none of 117 flights over the bounds; remove it, or give it values that have an effect",
         ),

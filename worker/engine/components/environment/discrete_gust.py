@@ -40,5 +40,5 @@ def switches(p: DiscreteGust, horizon: float) -> list[float]:
 
 
 component = Environment(
-    name="discrete_gust", title="Discrete gust", parameters=DiscreteGust, blow=blow, switches=switches
+    name="discrete_gust", title="Discrete gust", parameters=DiscreteGust, blow=blow, switches=switches, whole=1
 )

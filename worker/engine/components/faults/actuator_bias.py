@@ -34,4 +34,5 @@ component = Fault(
     parameters=ActuatorBias,
     kernel=act,
     switches=instants.ramp,
+    whole=1,
 )

@@ -37,4 +37,5 @@ component = Fault(
     parameters=ActuatorLoss,
     kernel=act,
     switches=instants.ramp,
+    whole=1,
 )

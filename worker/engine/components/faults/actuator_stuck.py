@@ -43,4 +43,5 @@ component = Fault(
     states=1,
     rest=rest,
     switches=instants.ramp,
+    whole=1,
 )

@@ -29,5 +29,11 @@ def act(t: float, u: float, a: tuple[()], p: HardOver) -> tuple[float, tuple[()]
 
 
 component = Fault(
-    name="hard_over", title="Hard-over", path="actuator", parameters=HardOver, kernel=act, switches=instants.ramp
+    name="hard_over",
+    title="Hard-over",
+    path="actuator",
+    parameters=HardOver,
+    kernel=act,
+    switches=instants.ramp,
+    whole=1,
 )

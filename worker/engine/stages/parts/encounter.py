@@ -41,6 +41,7 @@ def encounter(
         unseen=None if shown is None else shown.unseen,
         begins={} if shown is None else dict(shown.begins),
         idle={} if shown is None else dict(shown.idle),
+        whole={} if shown is None else dict(shown.whole),
         mismeasured=None if shown is None else shown.mismeasured,
         spread=spread,
         influence=influence(curves),

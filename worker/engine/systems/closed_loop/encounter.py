@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field
 from functools import lru_cache
 
@@ -37,27 +38,37 @@ def shown(flights: Flights, nominal: Trace) -> Shown:
         in_flights(flights),
         late(flights),
         idle(flights),
+        late(flights, whole=True),
     )
 
 
-def late(flights: Flights) -> dict[str, tuple[float, float]]:
+def late(flights: Flights, whole: bool = False) -> dict[str, tuple[float, float]]:
     """By path, the earliest and the latest instant at which a fault or the environment first changes [s], by the
     switches that it declares, of those for which the latest is after the horizon, or both are at its end: at the ends
-    and corners of its own bounds, and some values within."""
+    and corners of its own bounds, and some values within. whole: instead, at which that which builds up has its whole
+    effect, of those for which the latest is after the horizon."""
     found, uncertain, horizon = {}, flights.campaign.uncertain, flights.campaign.given_scenario.horizon
     for prefix, part in flights.parts.named.items():
-        if not isinstance(part, Fault | Environment) or part.switches is None:
+        if not isinstance(part, Fault | Environment) or part.switches is None or (whole and not part.whole):
             continue
         at, paths = flights.loop.extended[prefix], {path for path in flights.paths if path.startswith(f"{prefix}.")}
         nominal = {path: float(flights.nominal[flights.paths[path]]) for path in paths}
         bounds = {path: uncertain[path].interval(nominal[path]) for path in paths & uncertain.keys()}
         rows = (flights.loop.extend(flights.vector(values)) for values in sampled(nominal, bounds))
         switches = [[*part.switches(at.fields(*p[at.first : at.last]), horizon)] for p in rows]
-        begins = [min(each) for each in switches if each]
-        first, last = (min(begins), max(begins)) if len(begins) == len(switches) else (0.0, max(begins, default=0.0))
-        if last > horizon or first == horizon:
+        instants = [
+            _snapped(sorted(each)[min(part.whole * whole, len(each) - 1)], horizon) for each in switches if each
+        ]
+        last = max(instants, default=0.0)
+        first = min(instants) if len(instants) == len(switches) else 0.0
+        if last > horizon or (first == horizon and not whole):
             found[prefix] = (first, last)
     return found
+
+
+def _snapped(instant: float, horizon: float) -> float:
+    """The instant, or the horizon where only rounding sets them apart."""
+    return horizon if math.isclose(instant, horizon, rel_tol=1e-9) else instant
 
 
 def idle(flights: Flights) -> dict[str, int]:

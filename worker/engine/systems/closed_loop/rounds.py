@@ -8,7 +8,6 @@ that swells by s. Start reading at `rounds`.
 from __future__ import annotations
 
 import math
-from math import sqrt
 from typing import NamedTuple
 
 import numpy as np
@@ -228,7 +227,7 @@ def _spread(places: Floats, count: int, drift: Floats) -> float:
             away = places[first + i, k] - places[first, k] - i * drift[k]
             total[k] += away
             square += away * away
-    return sqrt(max(square / count - (total[0] ** 2 + total[1] ** 2 + total[2] ** 2) / count**2, 0.0))
+    return math.sqrt(max(square / count - (total[0] ** 2 + total[1] ** 2 + total[2] ** 2) / count**2, 0.0))
 
 
 def _irregular(places: Floats, each: float) -> Rounds | None:

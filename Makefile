@@ -2,7 +2,7 @@
 
 SHELL := bash
 .DEFAULT_GOAL := help
-.PHONY: help install run check test faults soak nightly screenshots lint types bench bench-pages certainty-bench search-bench scoreboard reproduce wheel sbom advisories frontend library-flights library-verdicts clean distclean
+.PHONY: help install run check test chromium faults soak nightly screenshots lint types bench bench-pages certainty-bench search-bench scoreboard reproduce wheel sbom advisories frontend library-flights library-verdicts clean distclean
 
 help: ## this list
 	@awk -F ': ## ' '/^[a-z-]+:.* ## |^[a-z-]+: ## /{split($$0, part, ":"); sub(/.*## /, ""); printf "%-15s %s\n", part[1], $$0}' Makefile
@@ -16,9 +16,12 @@ run: install ## start the service and one worker on ./data; Ctrl-C stops everyth
 check: install ## ruff, types and the quick tests: less than a minute and a half from warm caches
 	@tools/check.sh
 
-test: install ## run every check, and all tests but those of `make nightly`
-	@tools/chromium.sh
+test: ## run every check, and all tests but those of `make nightly`
+	@$(MAKE) --no-print-directory -j 2 install chromium
 	@tools/test.sh
+
+chromium: ## install the browser of the browser tests, where there is none
+	@tools/chromium.sh
 
 faults: install ## hurt real processes while runs go on, on both databases; a table, build/faults.json
 	@.venv/bin/python -m tests.storm
@@ -26,13 +29,11 @@ faults: install ## hurt real processes while runs go on, on both databases; a ta
 soak: install ## a service under load for a quarter of an hour; a table, build/soak.json
 	@.venv/bin/python -m tests.storm.soak
 
-nightly: install ## run the tests that `make test` leaves out, for an hour and a half
-	@tools/chromium.sh
+nightly: install chromium ## run the tests that `make test` leaves out, for an hour and a half
 	@source tools/common.sh; source tools/node.sh; cd frontend; export CLEARANCE_NIGHTLY=1; node_modules/.bin/eslint . && npm run --silent test
 	@.venv/bin/pytest -m nightly --processes "$$(nproc)"
 
-screenshots: install ## pictures of the pages as the browser tests meet them, in build/screenshots
-	@tools/chromium.sh
+screenshots: install chromium ## pictures of the pages as the browser tests meet them, in build/screenshots
 	@CLEARANCE_SCREENSHOTS=1 .venv/bin/pytest -m e2e
 
 lint: install ## ruff: rules and format
@@ -45,8 +46,7 @@ types: install ## mypy
 bench: install ## measure the speed, print a table, write build/bench.json
 	@.venv/bin/python -m tests.bench
 
-bench-pages: install ## measure the pages in a browser, print a table, write build/bench-pages.json
-	@tools/chromium.sh
+bench-pages: install chromium ## measure the pages in a browser, print a table, write build/bench-pages.json
 	@.venv/bin/python -m tests.bench.pages
 
 certainty-bench: install ## samples of any size, estimates, regions of attraction, proofs; writes build/certainty.json

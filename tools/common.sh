@@ -26,8 +26,11 @@ debian_install() {
         as_root=(sudo -n)
     fi
     say "installing Debian packages: $*"
-    "${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get update -q >&2 || return 1
-    "${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get install -y -q --no-install-recommends "$@" >&2
+    (
+        flock 9 # another of these scripts may be at it
+        "${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get update -q >&2 || exit 1
+        "${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get install -y -q --no-install-recommends "$@" >&2
+    ) 9<Makefile
 }
 
 # system_node: whether the system's Node can build the pages: the build tools ask for 20.19 or later, 22.12 or later.

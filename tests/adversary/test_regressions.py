@@ -52,7 +52,8 @@ def changed_avoidance(random: np.random.Generator) -> tuple[dict[str, Any], Floa
     points = random.random((400, 3))
     threshold = float(np.quantile(before(points), random.uniform(0.05, 0.5)))
     points = random.permutation(points[before(points) <= threshold])[:4]
-    made["baseline"] = baseline(Flown(load_document(made)), points, before, threshold)
+    parts = {"parts": {"obstacles.0": "circle"}}
+    made["baseline"] = baseline(Flown(load_document(made)), points, before, threshold) | parts
     made["scenario"]["avoider"] = avoider(gain * float(random.uniform(0.9, 3.0)))
     made["criterion"] = made["criterion"] | {"threshold": threshold}
     return made, points, flights(made)

@@ -49,9 +49,11 @@ def storm(site: Site, database: str, seed: int) -> Row:
 
 
 def _struck(site: Site, random: np.random.Generator) -> Any:
-    """One of the runs that a worker has which still lives; None if there is none."""
+    """One of the runs that a worker has which still lives; None if there is none. A run that has stored nothing since
+    it was struck twice is left alone: a third time it would be given up, as it should."""
     alive_ones = [one.output.stem for one in site.workers if one.process.poll() is None]
-    held = [run for run in map(site.run, site.runs) if run.state == "running" and run.worker in alive_ones]
+    running = [run for run in map(site.run, site.runs) if run.state == "running" and run.attempts < run.max_attempts]
+    held = [run for run in running if run.worker in alive_ones]
     return held[int(random.integers(len(held)))] if held else None
 
 

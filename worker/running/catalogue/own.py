@@ -59,11 +59,6 @@ class OwnFile:
         return f"{PACKAGE}.{self.file.stem}"
 
     @property
-    def sentence(self) -> str:
-        """What is wrong, with file and line; empty if nothing is."""
-        return f"{self.file}{f', line {self.line}' if self.line else ''}: {self.text}" if self.text else ""
-
-    @property
     def entry(self) -> UnusableEntry:
         """How the catalogue reports it if it cannot be used."""
         return unusable(self.file, self.text, self.line, self.name)

@@ -353,14 +353,11 @@ def blamed(error: BaseException) -> str:
     """The sentence (file, line, message) for an exception of an own component or of a package's; empty otherwise."""
     found = ""
     own = {str(folder) for folder in folders()}
-    others = {_loaded_from(entry.module) for entry in entry_points(group="clearance.components")}
+    named = (sys.modules.get(entry.module) for entry in entry_points(group="clearance.components"))
+    others = {getattr(module, "__file__", None) for module in named}
     for frame, line in walk_tb(error.__traceback__):
         file = Path(frame.f_code.co_filename)
         if str(file.parent) in own or str(file) in others:
             text = " ".join(str(error).split())[:300].rstrip(".")
             found = f"{file}, line {line}: {type(error).__name__}: {text or 'without a message'}"
     return found
-
-
-def _loaded_from(module: str) -> str:
-    return getattr(sys.modules.get(module), "__file__", None) or ""

@@ -16,7 +16,7 @@ import secrets
 import sys
 import time
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from importlib.metadata import entry_points
 from importlib.util import resolve_name
@@ -63,10 +63,6 @@ class OwnFile:
         """How the catalogue reports it if it cannot be used."""
         return unusable(self.file, self.text, self.line, self.name)
 
-    def refused(self, text: str, line: int = 0) -> OwnFile:
-        """The file, refused for the stated reason."""
-        return OwnFile(self.file, self.role, self.name, self.title, self.simulated, text, line)
-
 
 def unusable(file: Path | None, text: str, line: int = 0, name: str = "", kind: Kind = "component") -> UnusableEntry:
     """An entry of the catalogue for what was skipped; name: of the component, if it is known."""
@@ -107,10 +103,8 @@ def examined() -> list[OwnFile]:
     for file in files():
         one = examine(file)
         if not one.text and (earlier := first.setdefault((one.role, one.name), file)) != file:
-            one = one.refused(
-                f"{earlier.name} already declares the {one.role} {one.name!r}: rename one of them",
-                _line_of_name(file),
-            )
+            text = f"{earlier.name} already declares the {one.role} {one.name!r}: rename one of them"
+            one = replace(one, text=text, line=_line_of_name(file))
         found.append(one)
     return [*found, *_hidden(found)]
 
@@ -121,7 +115,7 @@ def beside_others(one: OwnFile) -> OwnFile:
     if taken is None:
         return one
     text = f"{taken} also declares the {one.role} {one.name!r}: rename one of them"
-    return one.refused(text, _line_of_name(one.file))
+    return replace(one, text=text, line=_line_of_name(one.file))
 
 
 def declaring(role: str, name: str, folder: Path, but: Path | None = None) -> Path | None:

@@ -16,7 +16,7 @@ from campaigns.claims.say import count, say
 from campaigns.claims.spans import Spans, words
 from campaigns.results.finding import Validation
 from campaigns.results.remedies import Ran, Remedy, remedies
-from campaigns.results.verdict import Check
+from campaigns.results.verdict import Check, Verdict
 
 Standing = Literal["holds", "open", "fails"]
 
@@ -43,6 +43,11 @@ def described(checks: Iterable[Check], failed: int, ran: Ran | None = None) -> l
     """Every check with its title, whether it holds, its limitation and, if `ran` is given, its remedies; failed: failed
     evaluations of the run."""
     return [_described(check, failed, [] if ran is None else remedies(check, ran)) for check in checks]
+
+
+def checks_of(verdict: Verdict) -> list[DescribedCheck]:
+    """The checks of a verdict, with the failed evaluations that it counts."""
+    return described(verdict.checks, 0 if verdict.evaluations is None else verdict.evaluations.failed)
 
 
 def _described(check: Check, failed: int, found: list[Remedy]) -> DescribedCheck:

@@ -209,7 +209,6 @@ def build() -> typer.Typer:
         add_completion=False,
         pretty_exceptions_enable=False,
     )
-    app.callback()(_group)
     for name in sorted(m.name for m in pkgutil.iter_modules(__path__) if not m.name.startswith("_")):
         module, command = importlib.import_module(f"{__name__}.{name}"), name.replace("_", "-")
         if hasattr(module, "app"):
@@ -224,10 +223,6 @@ def _command() -> Callable[..., object]:
     """The command `clearance`, built once: a program may run it several times."""
     command: Callable[..., object] = typer.main.get_command(build())
     return command
-
-
-def _group() -> None:
-    """Searches for the worst case of an obstacle-avoidance system and states what may be claimed."""
 
 
 def _of_the_database(error: sa.exc.OperationalError) -> str:

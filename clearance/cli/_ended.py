@@ -140,12 +140,9 @@ class EndedRun:
     @property
     def checks(self) -> list[DescribedCheck]:
         """The checks of the verdict; empty without one."""
-        from campaigns.results.verdicts import described
+        from campaigns.results.verdicts import checks_of
 
-        if self.verdict is None:
-            return []
-        counted = self.verdict.evaluations
-        return described(self.verdict.checks, 0 if counted is None else counted.failed)
+        return [] if self.verdict is None else checks_of(self.verdict)
 
     @property
     def regression(self) -> Regression | None:

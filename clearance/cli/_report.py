@@ -206,8 +206,7 @@ def _findings(campaign: Campaign, store: MemoryStore, verdict: Verdict) -> Table
 def _checks(verdict: Verdict) -> Table:
     signs = {"holds": ("✓", "green"), "open": ("?", "yellow"), "fails": ("✗", "red")}
     table = Table("", "Check", "Result")
-    failed = 0 if verdict.evaluations is None else verdict.evaluations.failed
-    for check in verdicts.described(verdict.checks, failed):
+    for check in verdicts.checks_of(verdict):
         sign, colour = signs[check.standing]
         text = f"{check.text}; {check.but}" if check.but else check.text
         table.add_row(Text(sign, style=colour), Text(check.title), Text(text))

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-import enum
 from pathlib import Path
 
+from campaigns.catalogue import Role
 from campaigns.limits import SEARCH
 from clearance.cli import WrongInputError
 
@@ -12,29 +12,17 @@ _WORKER = Path(__file__).parents[2] / "worker"
 _COMPONENTS = _WORKER / "engine" / "components"
 
 
-class Kind(enum.StrEnum):
-    """The kinds of component that `new` writes: those of the catalogue."""
-
-    VEHICLE = "vehicle"
-    CONTROLLER = "controller"
-    AVOIDER = "avoider"
-    OBSTACLE = "obstacle"
-    ENVIRONMENT = "environment"
-    FAULT = "fault"
-    CRITERION = "criterion"
-
-
-_SHIPPED = {Kind.ENVIRONMENT: ("environment/ground_slope.py", "ground_slope", "GroundSlope", "Slope of the ground")}
+_SHIPPED = {"environment": ("environment/ground_slope.py", "ground_slope", "GroundSlope", "Slope of the ground")}
 """Kinds that begin with a shipped component: its file, name, class and title."""
 _UNCERTAIN = {
-    Kind.CONTROLLER: "controller.K_p: {low: 6.0, high: 10.0, unit: N s/m}",
-    Kind.AVOIDER: "avoider.reach: {low: 2.0, high: 4.0, unit: m}",
-    Kind.OBSTACLE: "obstacles.0.swing: {low: 0.8, high: 1.5, unit: m}",
-    Kind.ENVIRONMENT: "environment.0.x: {low: -0.05, high: 0.05}",
-    Kind.FAULT: "faults.0.offset: {low: -0.3, high: 0.3, unit: m}",
+    "controller": "controller.K_p: {low: 6.0, high: 10.0, unit: N s/m}",
+    "avoider": "avoider.reach: {low: 2.0, high: 4.0, unit: m}",
+    "obstacle": "obstacles.0.swing: {low: 0.8, high: 1.5, unit: m}",
+    "environment": "environment.0.x: {low: -0.05, high: 0.05}",
+    "fault": "faults.0.offset: {low: -0.3, high: 0.3, unit: m}",
 }
 """A parameter of the component that its campaign makes uncertain."""
-_GAINS = {Kind.ENVIRONMENT: ", parameters: {K_i1: 3.0}"}
+_GAINS = {"environment": ", parameters: {K_i1: 3.0}"}
 """On a slope the speed's usual integral gain creeps to the goal for minutes, far beyond the horizon."""
 _CAMPAIGN = """\
 # clearance run {name}.yaml
@@ -65,21 +53,21 @@ stages:
 """
 
 
-def files(kind: Kind, name: str, vehicle: str, folder: Path) -> dict[Path, str]:
+def files(kind: Role, name: str, vehicle: str, folder: Path) -> dict[Path, str]:
     """The files of a new component by path: its own, that of a new vehicle's controller, and the campaign.
 
     vehicle: the one that a controller is for; empty for all that it fits.
     """
-    fits = _fitting(vehicle) if kind is Kind.CONTROLLER else ()
+    fits = _fitting(vehicle) if kind == "controller" else ()
     found = {folder / f"{name}.py": _written(kind, name, fits)}
     controller = ""
-    if kind is Kind.VEHICLE:  # no other controller has it in its `fits`
+    if kind == "vehicle":  # no other controller has it in its `fits`
         controller, vehicle = f"{name}_controller", name
-        found[folder / f"{controller}.py"] = _written(Kind.CONTROLLER, controller, (name,))
+        found[folder / f"{controller}.py"] = _written("controller", controller, (name,))
     return found | {folder / f"{name}.yaml": _campaign(kind, name, vehicle or "unicycle", controller or "pid_speed")}
 
 
-def _written(kind: Kind, name: str, fits: tuple[str, ...]) -> str:
+def _written(kind: Role, name: str, fits: tuple[str, ...]) -> str:
     usual = (f"running/skeletons/{kind}.py", f"my_{kind}", f"My{kind.capitalize()}", f"My {kind}")
     path, old_name, old_type, old_title = usual
     file = _WORKER / path
@@ -94,17 +82,17 @@ def _written(kind: Kind, name: str, fits: tuple[str, ...]) -> str:
     return text.replace('fits=("unicycle",)', f"fits=({listed},)") if fits else text
 
 
-def _campaign(kind: Kind, name: str, vehicle: str, controller: str) -> str:
+def _campaign(kind: Role, name: str, vehicle: str, controller: str) -> str:
     """A ground robot passes a post; the component takes the place of a shipped one, with its default parameters."""
     usual = {
-        Kind.VEHICLE: vehicle,
-        Kind.CONTROLLER: controller,
-        Kind.AVOIDER: "potential_field",
-        Kind.OBSTACLE: "circle",
-        Kind.CRITERION: "surface_separation",
+        "vehicle": vehicle,
+        "controller": controller,
+        "avoider": "potential_field",
+        "obstacle": "circle",
+        "criterion": "surface_separation",
     }
-    parts = {str(role): shipped for role, shipped in (usual | {kind: name}).items()}
-    more = {Kind.ENVIRONMENT: "environment", Kind.FAULT: "faults"}.get(kind)
+    parts = usual | {kind: name}
+    more = {"environment": "environment", "fault": "faults"}.get(kind)
     return _CAMPAIGN.format(
         method=SEARCH,
         **parts | {"more": f"\n  {more}: [{{component: {name}}}]" if more else ""},

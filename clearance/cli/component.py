@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from campaigns.catalogue import Role
 from campaigns.refusals import RefusalCode
 from clearance.cli import WrongInputError, _skeleton, on_disk
-from clearance.cli._skeleton import Kind
 
 if TYPE_CHECKING:
     from worker.running.catalogue.own import OwnFile
@@ -27,7 +27,7 @@ UNUSABLE = 1
 
 @app.command()
 def new(
-    kind: Annotated[Kind, typer.Argument(help="Kind of the component.")],
+    kind: Annotated[Role, typer.Argument(help="Kind of the component.")],
     name: Annotated[str, typer.Argument(help="Name in a campaign: small letters, digits and _.")],
     vehicle: Annotated[
         str, typer.Option("--for", help="For a controller: the vehicle that it controls.", show_default=False)
@@ -37,7 +37,7 @@ def new(
     CLEARANCE_COMPONENTS or the current one."""
     from worker.engine.components.own import folders
 
-    if vehicle and kind is not Kind.CONTROLLER:
+    if vehicle and kind != "controller":
         raise WrongInputError(f"--for {vehicle}: only a controller is written for a vehicle; leave --for out")
     listed = folders()
     folder = listed[0] if listed else Path.cwd()
@@ -102,7 +102,7 @@ def _sentence(file: Path, found: OwnFile) -> str:
     return f"{file}: the {found.role} {found.name!r} can be used{end}"
 
 
-def _check_name(kind: Kind, name: str, file: Path) -> None:
+def _check_name(kind: Role, name: str, file: Path) -> None:
     from worker.running.catalogue import own
     from worker.running.examination.mistake import Mistake
     from worker.running.examination.naming import check_name

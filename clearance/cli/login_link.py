@@ -7,9 +7,8 @@ from typing import Annotated
 
 import typer
 
+from clearance.cli._service import SERVICE
 from clearance.cli._where import DATA, Database, DataServed, opened, operator, served
-
-STANDARD = "http://127.0.0.1:8000"
 
 ADDRESS_FILE = "service-address"
 """The file in the data folder that contains the address of the service."""
@@ -21,7 +20,7 @@ def login_link(
     url: Annotated[
         str,
         typer.Option(
-            help=f"Address of the service in a browser; default: that of `clearance serve`, or {STANDARD}.",
+            help=f"Address of the service in a browser; default: that of `clearance serve`, or {SERVICE}.",
             envvar="CLEARANCE_PUBLIC_URL",
             show_default=False,
         ),
@@ -36,7 +35,7 @@ def login_link(
     with opened(data, database) as connection:
         code = access.create_login_code(connection)
         audit.note_command(connection, operator(), "login_link.made", LOCAL, {})
-    typer.echo(f"{(url or _serving(data) or STANDARD).rstrip('/')}/login?code={code}")
+    typer.echo(f"{(url or _serving(data) or SERVICE).rstrip('/')}/login?code={code}")
 
 
 def _serving(data: Path) -> str:

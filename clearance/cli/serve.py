@@ -23,6 +23,7 @@ from clearance.cli._where import DATA, Data, Database, alone, counted, reading, 
 from clearance.cli.login_link import ADDRESS_FILE
 from clearance.cli.worker import DRAINED
 from worker.engine.kernels import jit
+from worker.engine.systems.threads import usual_threads
 from worker.running.processes import memory
 from worker.running.processes.lifeline import Wakeup
 from worker.running.processes.serving import Server, Servers
@@ -69,7 +70,7 @@ def serve(
     with alone(data, url), _reserved(host, port) as reserved:
         port = reserved.getsockname()[1]
         if away := awaited(url):
-            _say(f"The service and its workers start, {sentence(away)}")
+            typer.echo(f"The service and its workers start, {sentence(away)}")
         with Wakeup() as wakeup:
             code = _Serving(host, port, data.absolute(), url, number, wakeup).run()
     raise typer.Exit(code)
@@ -88,7 +89,7 @@ class _Serving:
             **secret_settings.WHOLE,
         }
         if number > 1:  # each would otherwise take every core
-            here["CLEARANCE_THREADS"] = os.environ.get("CLEARANCE_THREADS") or str(max(1, _cores() // number))
+            here["CLEARANCE_THREADS"] = os.environ.get("CLEARANCE_THREADS") or str(max(1, usual_threads() // number))
         # Its output is a log: the link is printed here, by `_welcome`.
         listen = {**here, "CLEARANCE_HOST": host, "CLEARANCE_PORT": str(port), "CLEARANCE_PRINT_LINK": "false"}
         python = [sys.executable, "-P", "-m"]
@@ -100,27 +101,27 @@ class _Serving:
             Server(f"Worker {i}", worker, here, logs / f"worker-{i}.log", signal.SIGTERM, final=DRAINED)
             for i in range(1, number + 1)
         ]
-        self.servers = Servers([self.backend, *self.workers], wakeup, _say)
+        self.servers = Servers([self.backend, *self.workers], wakeup, typer.echo)
 
     def run(self) -> int:
         """Returns the exit code."""
-        _say(f"Starting the service and {counted(len(self.workers), 'worker')} on {self.data} ...")
+        typer.echo(f"Starting the service and {counted(len(self.workers), 'worker')} on {self.data} ...")
         begun = time.time()
         self.servers.start()
         try:
             code = self._wait_until_healthy(begun)
             if code is None:
                 for sentence in self.backend.warnings():
-                    _say(f"Warning: {sentence}")
+                    typer.echo(f"Warning: {sentence}")
                 self._welcome(begun)
                 while self.wakeup.signal is None:
                     self.servers.watch(1.0)
                 code = self._interrupted()
             return code
         finally:
-            _say("Stopping ...")
+            typer.echo("Stopping ...")
             self.servers.stop()
-            _say("Stopped.")
+            typer.echo("Stopped.")
 
     def _wait_until_healthy(self, begun: float) -> int | None:
         """None once the backend answers, and a worker has published its catalogue or is late; an exit code if the
@@ -129,14 +130,14 @@ class _Serving:
         healthy = offered = False
         while not (healthy and offered):
             if self.backend in self.servers.watch(0.1):
-                _say("The service could not start; see its messages above.")
+                typer.echo("The service could not start; see its messages above.")
                 return WRONG_INPUT if self.backend.status == UNUSABLE_SETTINGS else INTERNAL
             if self.wakeup.signal is not None:
                 return self._interrupted()
             if time.monotonic() > deadline:
                 late = self.workers[0] if healthy else self.backend
                 who = "No worker has" if healthy else "The backend has not"
-                _say(f"{who} started within {PATIENCE:g} s. From {late.log}:\n{late.tail()}")
+                typer.echo(f"{who} started within {PATIENCE:g} s. From {late.log}:\n{late.tail()}")
                 return None if healthy else INTERNAL  # workers are started again while the service runs
             healthy = healthy or _answers(f"{self.address}/api/v1/health")
             if not healthy and _answers(f"{self.address}/api/v1/health/live"):  # it waits for the database
@@ -158,9 +159,9 @@ class _Serving:
         link = f"{(self.data / ADDRESS_FILE).read_text().strip()}/login?code={code}"
         missing = bool(self.workers) and self._published() < begun
         ready = MISSING if missing else "Clearance is ready"
-        _say(f"\n{ready}. Open this link to log in (it can be used once, within 15 minutes):\n")
-        _say(f"    {link}\n")
-        _say("For a new link: clearance login-link. To stop: Ctrl-C.")
+        typer.echo(f"\n{ready}. Open this link to log in (it can be used once, within 15 minutes):\n")
+        typer.echo(f"    {link}\n")
+        typer.echo("For a new link: clearance login-link. To stop: Ctrl-C.")
 
     def _interrupted(self) -> int:
         return INTERRUPTED if self.wakeup.signal == signal.SIGINT else 0
@@ -197,12 +198,3 @@ def _answers(url: str) -> bool:
             return bool(response.status == 200)
     except OSError:
         return False
-
-
-def _cores() -> int:
-    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
-
-
-def _say(text: str) -> None:
-    typer.echo(text)
-    sys.stdout.flush()

@@ -130,5 +130,4 @@ class Session:
 
 
 def _reply(answer: httpx.Response, content: bytes) -> Reply:
-    headers = {name.lower(): value for name, value in answer.headers.items()}
-    return Reply(answer.status_code, answer.reason_phrase, headers, content)
+    return Reply(answer.status_code, answer.reason_phrase, answer.headers, content)

@@ -231,12 +231,9 @@ class Interrupted(KeyboardInterrupt):
 
 def of(origin: Origin, verdict: Concluded) -> Result:
     """The result of a run that has ended."""
-    from campaigns.results.verdicts import described
+    from campaigns.results.verdicts import checks_of
 
-    failed = 0 if verdict.evaluations is None else verdict.evaluations.failed
-    checks = [
-        Check(c.title, c.standing, f"{c.text}; {c.but}" if c.but else c.text) for c in described(verdict.checks, failed)
-    ]
+    checks = [Check(c.title, c.standing, f"{c.text}; {c.but}" if c.but else c.text) for c in checks_of(verdict)]
     result = origin.store.stages[0].result
     first = None if result is None else result.at_nominal
     assert first is not None

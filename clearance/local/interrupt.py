@@ -97,11 +97,7 @@ def _completed_at(store: MemoryStore, position: int) -> int:
 @contextmanager
 def terminated() -> Iterator[None]:
     """SIGTERM, as CI services send it, interrupts as Ctrl-C does; for the main thread."""
-
-    def interrupt(number: int, frame: FrameType | None) -> None:
-        raise KeyboardInterrupt
-
-    before = signal.signal(signal.SIGTERM, interrupt)
+    before = signal.signal(signal.SIGTERM, signal.default_int_handler)
     try:
         yield
     finally:

@@ -34,7 +34,7 @@ from campaigns.stored.digest import Rows, evidence_digest
 from campaigns.stored.records import Columns, StageRecord, Trace
 from campaigns.unreadable import UNREADABLE
 from campaigns.versions import Versions, short
-from clearance.local import RESULT as RESULT
+from clearance.local import RESULT
 from worker.engine.problem.problem import Problem
 from worker.engine.systems.base import in_own_sign
 from worker.engine.systems.simulators.declared.folder import FILE

@@ -21,7 +21,6 @@ def summary(
     campaign: Campaign, store: MemoryStore, verdict: Verdict, likely: Likelihoods | None = None
 ) -> dict[str, object]:
     """The content of `--json` and result.json; likely: computed already."""
-    failed = 0 if verdict.evaluations is None else verdict.evaluations.failed
     validated = confirmed(store)
     parts = verdict.model_dump(mode="json")
     likely = likely or likelihoods(campaign, store, verdict.unit)
@@ -34,7 +33,7 @@ def summary(
         "stages": [_stage(store, position) for position in range(len(store.stages))],
         "comparison": [] if validated is None else [row.model_dump() for row in validated.comparison],
         "evaluations": parts["evaluations"],
-        "checks": [check.model_dump() for check in verdicts.described(verdict.checks, failed)],
+        "checks": [check.model_dump() for check in verdicts.checks_of(verdict)],
         "statistics": parts["statistics"],
         **{name: parts[name] for name in ("regression", "sureness") if name in parts},
         "findings": [_finding(likely.stated(finding), campaign.criterion.threshold) for finding in store.findings],

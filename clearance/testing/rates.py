@@ -11,6 +11,7 @@ from campaigns.catalogue import ParameterEntry, RateEntry
 from campaigns.checked.rates import Intervals, fastest
 from clearance.testing.problems import Problem
 from worker.engine.systems.base import Floats
+from worker.running.examination.turns import corners
 
 FAR = 50.0
 """Paths are drawn within this distance [m] and up to this speed [m/s]."""
@@ -49,9 +50,4 @@ def _turned(flown: Problem, values: Mapping[str, float], times: Floats) -> float
     system = flown.system
     extended, here = system.loop.extend(flown.vector(values)), (0.0,) * system.parts.vehicle.dimension
     bodies = [system.loop.part("bodies")(float(t), (), here, extended)[0] for t in times]
-    moved = np.diff([[getattr(body, a, 0.0) for a in "xyz"] for body in bodies], axis=0)
-    moved = moved[np.linalg.norm(moved, axis=1) > 1e-7]
-    if len(moved) < 2:
-        return 0.0
-    ways = moved / np.linalg.norm(moved, axis=1)[:, None]
-    return float(2.0 * np.arcsin(np.clip(np.linalg.norm(np.diff(ways, axis=0), axis=1) / 2.0, 0.0, 1.0)).sum())
+    return float(corners(np.array([[getattr(body, a, 0.0) for a in "xyz"] for body in bodies])).sum())

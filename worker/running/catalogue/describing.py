@@ -26,11 +26,10 @@ def main(file: str) -> None:
         answer: dict[str, object] = {"found": found}
     except SystemExit as error:
         answer = {"error": f"it calls sys.exit({error.code!r:.60}) when it is loaded"}
+    except SyntaxError as error:
+        answer = {"error": f"line {error.lineno}: SyntaxError: {error.msg}"}
     except Exception as error:
-        if isinstance(error, SyntaxError):
-            answer = {"error": f"line {error.lineno}: SyntaxError: {error.msg}"}
-        else:
-            answer = {"error": f"it cannot be imported: {_sentence(error, file)}"}
+        answer = {"error": f"it cannot be imported: {_sentence(error, file)}"}
     print(f"\n{MARK}{json.dumps(answer, default=_plain)}", flush=True)
 
 

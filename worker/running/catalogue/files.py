@@ -89,12 +89,7 @@ def listed_files() -> Iterator[PythonFunction | BadFile]:
 
 def unusable_simulators() -> list[str]:
     """What is wrong with the descriptors and Python files in the operator's folders, a sentence each."""
-    return [*unusable(), *unusable_files()]
-
-
-def unusable_files() -> list[str]:
-    """What is wrong with the Python files in the operator's folders, a sentence each."""
-    found: list[str] = []
+    found = unusable()
     first = {d.descriptor.name: str(d.folder) for d in listed() if isinstance(d, Described)}
     for function in listed_files():
         if isinstance(function, BadFile):

@@ -16,7 +16,7 @@ import secrets
 import sys
 import time
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from importlib.metadata import entry_points
 from importlib.util import resolve_name
@@ -59,18 +59,9 @@ class OwnFile:
         return f"{PACKAGE}.{self.file.stem}"
 
     @property
-    def sentence(self) -> str:
-        """What is wrong, with file and line; empty if nothing is."""
-        return f"{self.file}{f', line {self.line}' if self.line else ''}: {self.text}" if self.text else ""
-
-    @property
     def entry(self) -> UnusableEntry:
         """How the catalogue reports it if it cannot be used."""
         return unusable(self.file, self.text, self.line, self.name)
-
-    def refused(self, text: str, line: int = 0) -> OwnFile:
-        """The file, refused for the stated reason."""
-        return OwnFile(self.file, self.role, self.name, self.title, self.simulated, text, line)
 
 
 def unusable(file: Path | None, text: str, line: int = 0, name: str = "", kind: Kind = "component") -> UnusableEntry:
@@ -112,10 +103,8 @@ def examined() -> list[OwnFile]:
     for file in files():
         one = examine(file)
         if not one.text and (earlier := first.setdefault((one.role, one.name), file)) != file:
-            one = one.refused(
-                f"{earlier.name} already declares the {one.role} {one.name!r}: rename one of them",
-                _line_of_name(file),
-            )
+            text = f"{earlier.name} already declares the {one.role} {one.name!r}: rename one of them"
+            one = replace(one, text=text, line=_line_of_name(file))
         found.append(one)
     return [*found, *_hidden(found)]
 
@@ -126,7 +115,7 @@ def beside_others(one: OwnFile) -> OwnFile:
     if taken is None:
         return one
     text = f"{taken} also declares the {one.role} {one.name!r}: rename one of them"
-    return one.refused(text, _line_of_name(one.file))
+    return replace(one, text=text, line=_line_of_name(one.file))
 
 
 def declaring(role: str, name: str, folder: Path, but: Path | None = None) -> Path | None:
@@ -358,14 +347,11 @@ def blamed(error: BaseException) -> str:
     """The sentence (file, line, message) for an exception of an own component or of a package's; empty otherwise."""
     found = ""
     own = {str(folder) for folder in folders()}
-    others = {_loaded_from(entry.module) for entry in entry_points(group="clearance.components")}
+    named = (sys.modules.get(entry.module) for entry in entry_points(group="clearance.components"))
+    others = {getattr(module, "__file__", None) for module in named}
     for frame, line in walk_tb(error.__traceback__):
         file = Path(frame.f_code.co_filename)
         if str(file.parent) in own or str(file) in others:
             text = " ".join(str(error).split())[:300].rstrip(".")
             found = f"{file}, line {line}: {type(error).__name__}: {text or 'without a message'}"
     return found
-
-
-def _loaded_from(module: str) -> str:
-    return getattr(sys.modules.get(module), "__file__", None) or ""

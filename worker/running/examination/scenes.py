@@ -45,12 +45,7 @@ class NoParameters(NamedTuple):
 
 
 @kernel
-def no_states(x: Any, demand: Any, p: Any) -> tuple[()]:
-    return ()
-
-
-@kernel
-def no_signals(x: Any, demand: Any, p: Any) -> tuple[()]:
+def nothing(x: Any, demand: Any, p: Any) -> tuple[()]:
     return ()
 
 
@@ -147,9 +142,9 @@ def _standing_in(vehicle: Vehicle) -> Controller:
         return zeros, ()
 
     globals()[f"standing_in_{len(zeros)}"] = command  # the generated code calls kernels by name
-    by_force: dict[str, Any] = {"force": no_states}
+    by_force: dict[str, Any] = {"force": nothing}
     signals: tuple[Signal, ...] = ()
     return Controller(
         "standing_in", "Constant inputs", (vehicle.name,), NoParameters, 0, signals, by_force, {"force": command},
-        {"force": no_signals},
+        by_force,
     )  # fmt: skip

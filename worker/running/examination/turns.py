@@ -71,7 +71,7 @@ def _turned(obstacle: Obstacle, arguments: tuple[object, ...], span: float, with
     centres, gaps, away = _motion(obstacle, arguments, np.linspace(0.0, span, SAMPLES + 1))
     each, found = span / SAMPLES, []
     # Two intervals meet at a corner, so one fewer fits into the time.
-    for what, steps, less in (("velocity", _corners(centres), 1), ("shape", _changes(gaps) / away, 0)):
+    for what, steps, less in (("velocity", corners(centres), 1), ("shape", _changes(gaps) / away, 0)):
         count = int(min(within / each, SAMPLES)) - less
         if count > 0 and len(steps):
             total = np.concatenate([np.zeros(1), np.cumsum(steps)])
@@ -108,7 +108,7 @@ def _directions(axes: int) -> list[Floats]:
     return [np.array([r * math.cos(a), r * math.sin(a), z])[:axes] for r, a, z in rows]
 
 
-def _corners(centres: Floats) -> Floats:
+def corners(centres: Floats) -> Floats:
     """The angle between the intervals before and after every inner sample; rest does not end the one before."""
     moved = np.diff(centres, axis=0)
     length = np.linalg.norm(moved, axis=1)

@@ -43,7 +43,7 @@ from campaigns.results import TraceHead
 from campaigns.results.base import OK, STATUS, Status
 from campaigns.stored.replies import CaseReply, InstalledReply
 from worker.engine.systems import optional
-from worker.engine.systems.base import CampaignUnusable, NoResult, NoTrace, System, Trace, indices, slotted
+from worker.engine.systems.base import CampaignUnusable, NoResult, NoTrace, System, Trace, indices, slotted, with_values
 from worker.engine.systems.simulators.called import Called
 from worker.engine.systems.simulators.pooled import Pooled
 from worker.engine.systems.simulators.simulated import Simulated
@@ -191,9 +191,7 @@ class _Found:
 def _timed(system: System, values: Mapping[str, float]) -> tuple[float, _Found]:
     """The evaluation with its trace, or without one if there is none, and how long it took [s]."""
     began, why = time.monotonic(), ""
-    vector, at = system.nominal.copy(), indices(system.parameters)
-    for path, value in values.items():
-        vector[at[path]] = value
+    vector = with_values(system.nominal, indices(system.parameters), values)
     parameters = {p.path: float(v) for p, v in zip(system.parameters, vector, strict=False)}
     try:
         trace = system.trace("case", values)

@@ -33,11 +33,10 @@ HELD = 0.02
 """Tolerance of the models' values [m]."""
 
 MASS, ELEVATOR, THRUST = ("m", "vehicle.m"), ("C_mde", "vehicle.C_mde"), ("C_dt", "vehicle.C_dt")
-STATIC = Case(3, "UAV, static obstacle", "uav_static", (MASS, ELEVATOR, THRUST))
-MOVING = Case(4, "UAV, intruder", "uav_moving", (MASS, ELEVATOR, THRUST))
+STATIC = Case(3, "uav_static", (MASS, ELEVATOR, THRUST))
+MOVING = Case(4, "uav_moving", (MASS, ELEVATOR, THRUST))
 DECISION = Case(
     5,
-    "UAV, decision-making avoidance",
     "uav_aca",
     (
         MASS,

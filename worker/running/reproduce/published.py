@@ -27,7 +27,6 @@ class Case:
     """One case study: number, campaign in the library, and parameters by symbol in the published order."""
 
     number: int
-    title: str
     campaign: str
     paths: tuple[tuple[str, str], ...]
 

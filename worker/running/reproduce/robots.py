@@ -25,12 +25,9 @@ from worker.running.reproduce.published import (
     sqp,
 )
 
-UNICYCLE = Case(
-    1, "Unicycle, static obstacle", "unicycle_static", (("m", "vehicle.m"), ("J", "vehicle.J"))
-)  # fmt: skip
+UNICYCLE = Case(1, "unicycle_static", (("m", "vehicle.m"), ("J", "vehicle.J")))
 PIONEER = Case(
     2,
-    "Pioneer 3-DX, moving intruder",
     "pioneer_moving",
     (
         ("m", "vehicle.m"),

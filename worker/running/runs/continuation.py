@@ -8,7 +8,7 @@ stages what bars "cleared": the new run could miss it.
 from __future__ import annotations
 
 import re
-from collections.abc import Collection, Iterator
+from collections.abc import Collection
 from dataclasses import dataclass, fields
 from typing import Any
 
@@ -22,7 +22,6 @@ from campaigns.claims.say import listed
 from campaigns.claims.spans import words
 from campaigns.identity.identity import differences, identity_of, simulator_of
 from campaigns.refusals import Refusal, RefusalCode
-from campaigns.results.finding import Finding
 from campaigns.sample_seed import SampleSeed
 from campaigns.stages.found import declared
 from campaigns.stages.plan import plan
@@ -139,13 +138,10 @@ def carried(
     found = {at: columns for at in range(len(stages)) if (columns := store.evaluations(at)) is not None}
     kept = {at: columns for at, columns in found.items() if stages[at][0] in kinds and len(columns.status)}
     if not any(declared()[stages[at][0]].of_findings for at in kept):
-        violated = violated or any(value <= old.criterion.threshold for f in store.findings for value in _values(f))
+        again = [f.validation for f in store.findings if f.validation is not None]
+        violated = violated or any(value <= old.criterion.threshold for case in again for value in case.values)
     _refuse_to_lose(old, store, kept.keys() | _made_again(old, new, store), ahead, violated)
     return kept
-
-
-def _values(finding: Finding) -> Iterator[float]:
-    yield from () if finding.validation is None else finding.validation.values
 
 
 def _made_again(old: Campaign, new: Campaign, store: MemoryStore) -> set[int]:

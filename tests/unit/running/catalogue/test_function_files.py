@@ -15,7 +15,7 @@ from tests.simulators import isolated
 from worker.engine.systems.base import CampaignUnusable
 from worker.engine.systems.simulators.declared.folder import FOLDERS, digest_of_place
 from worker.running.catalogue import files
-from worker.running.catalogue.files import BadFile, PythonFunction, listed_files, unusable_files
+from worker.running.catalogue.files import BadFile, PythonFunction, listed_files, unusable_simulators
 from worker.running.catalogue.installed import _simulators_of, catalogue
 from worker.running.opening import opened
 
@@ -53,13 +53,13 @@ def test_a_file_is_a_simulator(folder: Path) -> None:
     assert (found.entry.name, found.entry.title, found.entry.text) == ("drop", "Drop", "It falls.")
     (parameter,) = found.entry.parameters
     assert (parameter.low, parameter.default, parameter.high, parameter.unit) == (1.0, 2.0, 3.0, "kg")
-    assert unusable_files() == []
+    assert unusable_simulators() == []
 
 
 def test_files_that_cannot_be_used_are_reported_and_skipped(folder: Path) -> None:
     for name, (text, _) in BAD.items():
         (folder / name).write_text(text)
-    found = unusable_files()
+    found = unusable_simulators()
     assert [line.partition(":")[0] for line in found] == [str(folder / name) for name in sorted(BAD)]
     for line, name in zip(found, sorted(BAD), strict=True):
         assert BAD[name][1] in line
@@ -69,14 +69,14 @@ def test_files_that_cannot_be_used_are_reported_and_skipped(folder: Path) -> Non
 def test_an_endless_file_is_stopped(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(files, "LONGEST", 0.5)
     (folder / "endless.py").write_text("import clearance\nwhile True: pass")
-    (line,) = unusable_files()
+    (line,) = unusable_simulators()
     assert "more than 0.5 s" in line
 
 
 def test_a_name_is_declared_once(folder: Path) -> None:
     for name in ("first.py", "second.py"):
         (folder / name).write_text(GOOD)
-    (line,) = unusable_files()
+    (line,) = unusable_simulators()
     assert line.startswith(str(folder / "second.py"))
     assert "first.py " in line
     assert " simulator drop;" in line

@@ -26,7 +26,7 @@ import { left, signedOut, useSession } from '../api/session'
 import { toggleTheme, useTheme } from '../theme/useTheme'
 import { keepTyped, typedEarly } from '../jump/early'
 import { later, Part } from '../page/later'
-import { MenuDivider, MenuDropdown, MenuItem, MenuLabel } from '../overlay/later'
+import { MenuDivider, MenuItem, MenuLabel } from '../overlay/later'
 import { IconButton } from '../ui/IconButton'
 import { Modal } from '../overlay/Modal'
 import { Popup } from '../overlay/Popup'
@@ -150,45 +150,42 @@ function Session() {
   return (
     <Popup
       kind="menu"
-      position="bottom-end"
       width={220}
       button={{ className: clsx('b sec', styles.ava), 'aria-label': `Session of ${data.user}, ${initials}`, children: initials }}
     >
-      <MenuDropdown>
-        <MenuLabel>
-          Signed in as {data.user} by {{ link: 'login link', password: 'password', provider: 'single sign-on', token: 'token' }[data.via]}, role {data.role}
-        </MenuLabel>
-        <NotifyMine />
-        <MenuItem leftSection={<IconApi className="i s" />} component={Link} to="/docs">
-          API
-        </MenuItem>
-        <MenuDivider />
-        {admin && (
-          <>
-            <MenuItem leftSection={<IconUserPlus className="i s" />} onClick={() => void navigate({ to: '/access/users', search: { invite: true } })}>
-              Invite
-            </MenuItem>
-            <MenuItem leftSection={<IconUsers className="i s" />} component={Link} to="/access/users">
-              Users
-            </MenuItem>
-          </>
-        )}
-        <MenuItem leftSection={<IconKey className="i s" />} component={Link} to="/access/tokens">
-          API tokens
-        </MenuItem>
-        <MenuItem leftSection={<IconDeviceLaptop className="i s" />} component={Link} to="/access/sessions">
-          Sessions
-        </MenuItem>
-        {reviewer && (
-          <MenuItem leftSection={<IconHistory className="i s" />} component={Link} to="/access/audit">
-            Audit trail
+      <MenuLabel>
+        Signed in as {data.user} by {{ link: 'login link', password: 'password', provider: 'single sign-on', token: 'token' }[data.via]}, role {data.role}
+      </MenuLabel>
+      <NotifyMine />
+      <MenuItem leftSection={<IconApi className="i s" />} component={Link} to="/docs">
+        API
+      </MenuItem>
+      <MenuDivider />
+      {admin && (
+        <>
+          <MenuItem leftSection={<IconUserPlus className="i s" />} onClick={() => void navigate({ to: '/access/users', search: { invite: true } })}>
+            Invite
           </MenuItem>
-        )}
-        <MenuDivider />
-        <MenuItem leftSection={<IconLogout className="i s" />} onClick={leave}>
-          Sign out
+          <MenuItem leftSection={<IconUsers className="i s" />} component={Link} to="/access/users">
+            Users
+          </MenuItem>
+        </>
+      )}
+      <MenuItem leftSection={<IconKey className="i s" />} component={Link} to="/access/tokens">
+        API tokens
+      </MenuItem>
+      <MenuItem leftSection={<IconDeviceLaptop className="i s" />} component={Link} to="/access/sessions">
+        Sessions
+      </MenuItem>
+      {reviewer && (
+        <MenuItem leftSection={<IconHistory className="i s" />} component={Link} to="/access/audit">
+          Audit trail
         </MenuItem>
-      </MenuDropdown>
+      )}
+      <MenuDivider />
+      <MenuItem leftSection={<IconLogout className="i s" />} onClick={leave}>
+        Sign out
+      </MenuItem>
     </Popup>
   )
 }

@@ -11,7 +11,7 @@ import { count } from '../format/numbers'
 import { PageHead } from '../page/PageHead'
 import { Loaded } from '../page/Trouble'
 import { useTitle } from '../page/useTitle'
-import { MenuDropdown, MenuItem } from '../overlay/later'
+import { MenuItem } from '../overlay/later'
 import { Button, TextButton, worded } from '../ui/Button'
 import { ShowMore } from '../ui/ShowMore'
 import { Card } from '../ui/Card'
@@ -128,17 +128,14 @@ function ExportFiles({ disabled }: { disabled: boolean }) {
   return (
     <Popup
       kind="menu"
-      position="bottom-end"
       width={320}
       button={{ ...worded(IconDownload, 'Export'), disabled }}
     >
-      <MenuDropdown>
-        {EXPORTS.map(({ href, title, text }) => (
-          <MenuItem key={href} component="a" href={href} download>
-            <EntryLines title={title}>{text}</EntryLines>
-          </MenuItem>
-        ))}
-      </MenuDropdown>
+      {EXPORTS.map(({ href, title, text }) => (
+        <MenuItem key={href} component="a" href={href} download>
+          <EntryLines title={title}>{text}</EntryLines>
+        </MenuItem>
+      ))}
     </Popup>
   )
 }

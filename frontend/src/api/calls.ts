@@ -1,6 +1,6 @@
 // All requests of the pages, over the generated client: typed responses, `Refusal` for errors.
 
-import type { CaseRequest, Checked, DraftContent, DraftReplace, FlightRequest, ListRunsData, Preview, ProposeSearchesData, RunDetail, RunEdit, RunSummary, SignoffRequest, SweepDetail, ViewChange } from '../client'
+import type { CaseRequest, DraftContent, DraftReplace, FlightRequest, ListRunsData, ProposeSearchesData, RunDetail, RunEdit, RunSubmit, SignoffRequest, SweepSubmit, ViewChange } from '../client'
 import * as sdk from '../client'
 import { ROOT } from '../format/root'
 import { client } from '../client/client.gen'
@@ -102,27 +102,18 @@ export const changeView = (
   signal?: AbortSignal,
 ) => answer(sdk.changeView({ path: { run, key }, body, query: { wait }, signal }))
 
-/** Sends a document of the form, whose fields may be wrong yet, or YAML text. */
-const post = <T>(url: string, body: object | string, more: { headers?: Record<string, string>; signal?: AbortSignal }): Promise<T> =>
-  answer(
-    client.post<T>({
-      url: `/api/v1/${url}`,
-      body: typeof body === 'string' ? body : JSON.stringify(body),
-      bodySerializer: null,
-      ...more,
-      headers: { 'Content-Type': typeof body === 'string' ? 'application/yaml' : 'application/json', ...more.headers },
-    }) as Promise<Answer<T>>,
-  )
-
 /** The JSON Schema of a campaign. */
 export const getSchema = () => answer(sdk.campaignSchema())
 
-/** Checks a campaign: its parsed form, or its errors. */
+/** YAML text, sent as it is. */
+const asText = (text: string) => ({ body: text as never, bodySerializer: null, headers: { 'Content-Type': 'application/yaml' } })
+
+/** Checks a campaign, whose fields may be wrong yet, or its text: its parsed form, or its errors. */
 export const checkCampaign = (campaign: Campaign | string, signal?: AbortSignal) =>
-  post<Checked>('campaigns/check', typeof campaign === 'string' ? campaign : { campaign }, { signal })
+  answer(sdk.checkCampaign({ ...(typeof campaign === 'string' ? asText(campaign) : { body: { campaign } }), signal }))
 
 /** The nominal flight of a campaign; a new combination of components is compiled first. */
-export const previewCampaign = (campaign: Campaign, signal?: AbortSignal) => post<Preview>('campaigns/preview', { campaign }, { signal })
+export const previewCampaign = (campaign: Campaign, signal?: AbortSignal) => answer(sdk.previewCampaign({ body: { campaign }, signal }))
 
 export type ProposalRequest = ProposeSearchesData['query'] & { simulator: string }
 
@@ -133,30 +124,8 @@ export const createDraft = (body: DraftContent) => answer(sdk.createDraft({ body
 export const saveDraft = (draft: string, body: DraftReplace) => answer(sdk.saveDraft({ path: { draft }, body }))
 export const deleteDraft = (draft: string, version?: number) => answer(sdk.deleteDraft({ path: { draft }, query: { version } }))
 
-interface Launch {
-  campaign: Campaign
-  name: string
-  tags: string[]
-  labels: Record<string, string>
-}
-
-export interface Submission extends Launch {
-  /** A run, or label:KEY=VALUE. */
-  baseline: string | null
-  /** The original text of the campaign. */
-  text: string
-}
-
-export interface SweepRequest extends Launch {
-  /** A parameter that is not uncertain. */
-  path: string
-  values: number[]
-}
-
 /** Starts a run; the same key never starts a second one. */
-export const submitRun = (submission: Submission, key: string) =>
-  post<RunSummary>('runs', submission, { headers: { 'Idempotency-Key': key } })
+export const submitRun = (body: RunSubmit, key: string) => answer(sdk.submitRun({ body, headers: { 'Idempotency-Key': key } }))
 
 /** Launches a sweep; the same key never launches a second one. */
-export const submitSweep = (request: SweepRequest, key: string) =>
-  post<SweepDetail>('sweeps', request, { headers: { 'Idempotency-Key': key } })
+export const submitSweep = (body: SweepSubmit, key: string) => answer(sdk.submitSweep({ body, headers: { 'Idempotency-Key': key } }))

@@ -10,8 +10,9 @@ import { count } from '../format/numbers'
 import { viaOf } from '../format/people'
 import { moment } from '../format/time'
 import { Loaded } from '../page/Trouble'
-import { Button, ButtonAnchor, TextButton } from '../ui/Button'
+import { ButtonAnchor, TextButton } from '../ui/Button'
 import { Card } from '../ui/Card'
+import { ShowMore } from '../ui/ShowMore'
 import { type Column, Table } from '../ui/Table'
 import { Digests } from '../ui/Digests'
 import { CopyButton } from '../ui/files'
@@ -46,13 +47,7 @@ export function AuditPage() {
               title="What was done"
               note={`${count(first.total)} ${first.total === 1 ? 'row' : 'rows'} in all; each holds the hash of the one before`}
               flush
-              footer={
-                query.hasNextPage && (
-                  <Button small disabled={query.isFetchingNextPage} onClick={() => void query.fetchNextPage()}>
-                    {query.isFetchingNextPage ? 'Loading …' : 'Show earlier ones'}
-                  </Button>
-                )
-              }
+              footer={query.hasNextPage && <ShowMore query={query} total={first.total} words="Show earlier ones" />}
             >
               <EntriesList entries={data.pages.flatMap((page) => page.items)} onAll={() => void navigate({ search: {}, replace: true })} />
             </Card>

@@ -37,8 +37,10 @@ export const queryClient = new Cache({
   },
 })
 
-export const isLive = (run: Pick<RunSummary, 'state'>): boolean =>
-  run.state === 'queued' || run.state === 'running' || run.state === 'cancelling'
+/** The states of a run that has not ended. */
+export const LIVE = ['queued', 'running', 'cancelling'] as const
+
+export const isLive = (run: Pick<RunSummary, 'state'>): boolean => LIVE.some((state) => state === run.state)
 
 export const sessionQuery = queryOptions({ queryKey: ['session'], queryFn: () => answer(sdk.getSession()), staleTime: 60_000 })
 

@@ -3,9 +3,8 @@ import { clsx } from 'clsx'
 import { IconDownload } from '@tabler/icons-react'
 import { useInfiniteQuery } from '@tanstack/react-query'
 import { useNavigate, useSearch } from '@tanstack/react-router'
-import { listAudit } from '../api/access'
 import { paged } from '../api/queries'
-import type { AuditEntry, AuditPage as Page } from '../client'
+import { type AuditEntry, type AuditPage as Page, listAudit } from '../client'
 import { count } from '../format/numbers'
 import { viaOf } from '../format/people'
 import { moment } from '../format/time'
@@ -21,7 +20,8 @@ import { at } from '../format/root'
 import styles from './access.module.css'
 import { fields } from '../ui/styles'
 
-const auditQuery = (actor: string, action: string) => paged(['audit', actor, action], (cursor) => listAudit(actor, action, cursor), 0)
+const auditQuery = (actor: string, action: string) =>
+  paged(['audit', actor, action], (cursor) => listAudit({ query: { actor, action, ...(cursor ? { cursor } : {}) } }), 0)
 
 export function AuditPage() {
   const { actor = '', action = '' } = useSearch({ from: '/access/audit' })

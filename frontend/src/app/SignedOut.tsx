@@ -3,7 +3,6 @@
 import { useQueryClient } from '@tanstack/react-query'
 import { clsx } from 'clsx'
 import { useEffect, useLayoutEffect, useRef, useState } from 'react'
-import { answer } from '../api/calls'
 import { sessionQuery } from '../api/queries'
 import { signedIn } from '../api/session'
 import { getSession, type SessionInfo } from '../client'
@@ -74,7 +73,7 @@ function useReturn(): void {
       asking = true
       try {
         const before = cache.getQueryData<SessionInfo>(sessionQuery.queryKey)
-        const session = await answer(getSession())
+        const session = await getSession()
         // What is below belongs to who has read and typed it.
         if (before && before.account !== session.account) return location.reload()
         cache.setQueryData(sessionQuery.queryKey, session)

@@ -2,9 +2,9 @@
 import { IconBraces, IconDownload, IconFileText, IconFileTypePdf, IconMatrix, IconPackage, IconPlane, IconTable } from '@tabler/icons-react'
 import { queryOptions, useMutation, useQuery } from '@tanstack/react-query'
 import { useEffect, useRef, useState } from 'react'
-import { getExports, getFile } from '../api/calls'
+import { getFile } from '../api/calls'
 import { asCampaign, caseWord } from '../api/campaign'
-import type { ExportFile, RunDetail } from '../client'
+import { type ExportFile, listExports, type RunDetail } from '../client'
 import { MenuDivider, MenuItem, MenuLabel } from '../overlay/later'
 import { ButtonAnchor, worded } from '../ui/Button'
 import { Popup } from '../overlay/Popup'
@@ -18,7 +18,7 @@ import styles from './exports.module.css'
 const RECORDING = /\/exports\/flight-(\w+)\.html$/
 
 const exportsQuery = (id: string, state: string) =>
-  queryOptions({ queryKey: ['exports', id, state], queryFn: () => getExports(id) })
+  queryOptions({ queryKey: ['exports', id, state], queryFn: () => listExports({ path: { run: id } }) })
 
 export function ExportMenu({ run }: { run: RunDetail }) {
   const [opened, setOpened] = useState(false)

@@ -4,9 +4,9 @@ import { IconFileText, IconFileTypePdf } from '@tabler/icons-react'
 import { useInfiniteQuery, useMutation } from '@tanstack/react-query'
 import { Link, useNavigate, useSearch } from '@tanstack/react-router'
 import { useCallback } from 'react'
-import { getFile, listReports } from '../api/calls'
+import { getFile } from '../api/calls'
 import { paged } from '../api/queries'
-import type { Report, ReportFile } from '../client'
+import { listReports, type Report, type ReportFile } from '../client'
 import { count } from '../format/numbers'
 import { when } from '../format/time'
 import { PageHead } from '../page/PageHead'
@@ -26,7 +26,7 @@ import { layout } from '../ui/styles'
 import styles from './reports.module.css'
 
 // Sign-offs and new runs must be visible when the page is opened again.
-const reportsQuery = (q: string) => paged(['reports', q], (cursor) => listReports(q, cursor), 0)
+const reportsQuery = (q: string) => paged(['reports', q], (cursor) => listReports({ query: { q, ...(cursor ? { cursor } : {}) } }), 0)
 
 export function ReportsPage() {
   useTitle('Reports')

@@ -4,8 +4,8 @@ import { useQuery } from '@tanstack/react-query'
 import { clsx } from 'clsx'
 import { useState } from 'react'
 import { useChange } from '../api/change'
-import { contentOf, deleteImport, importsQuery } from '../api/requirements'
-import type { RequirementFileOut } from '../client'
+import { contentOf, importsQuery } from '../api/requirements'
+import { deleteImport, type RequirementFileOut } from '../client'
 import { count } from '../format/numbers'
 import { when } from '../format/time'
 import { Failed } from '../page/Trouble'
@@ -21,7 +21,7 @@ import styles from './requirements.module.css'
 export function Files({ mayChange }: { mayChange: boolean }) {
   const { data, error, refetch } = useQuery(importsQuery)
   const [leaving, setLeaving] = useState<RequirementFileOut | null>(null)
-  const remove = useChange(deleteImport, ['requirements', 'requirement-files'], () => setLeaving(null))
+  const remove = useChange((file: number) => deleteImport({ path: { file } }), ['requirements', 'requirement-files'], () => setLeaving(null))
   if (!data?.length && (data || !error)) return null
   return (
     <div style={{ marginTop: 'var(--gap)' }}>

@@ -4,12 +4,11 @@ import { IconBan, IconDownload } from '@tabler/icons-react'
 import { queryOptions, useMutation, useQuery, useQueryClient } from '@tanstack/react-query'
 import { useParams } from '@tanstack/react-router'
 import { useState } from 'react'
-import { cancelSweep, getSweep } from '../api/calls'
 import { useBarredFromOwn } from '../api/may'
 import { ChartCard } from '../charts/ChartCard'
 import { type At, sampleOf } from '../charts/outcomes'
 import { OutcomesChart } from '../charts/OutcomesChart'
-import type { SweepDetail } from '../client'
+import { cancelSweep, getSweep, type SweepDetail } from '../client'
 import { field, plain } from '../format/numbers'
 import { launchedBy } from '../format/people'
 import { moment } from '../format/time'
@@ -27,7 +26,7 @@ import { activeOf, statementOf } from './states'
 import { at } from '../format/root'
 import { cards, layout } from '../ui/styles'
 
-const sweepQuery = (id: string) => queryOptions({ queryKey: ['sweep', id], queryFn: () => getSweep(id) })
+const sweepQuery = (id: string) => queryOptions({ queryKey: ['sweep', id], queryFn: () => getSweep({ path: { sweep: id } }) })
 
 export function SweepPage() {
   const { id } = useParams({ from: '/sweeps/$id' })
@@ -126,7 +125,7 @@ function Cancel({ sweep }: { sweep: SweepDetail }) {
   const [sure, setSure] = useState(false)
   const cache = useQueryClient()
   const cancel = useMutation({
-    mutationFn: () => cancelSweep(sweep.id),
+    mutationFn: () => cancelSweep({ path: { sweep: sweep.id } }),
     onSuccess: (after) => {
       cache.setQueryData(sweepQuery(sweep.id).queryKey, after)
       void cache.invalidateQueries({ queryKey: ['runs'] })

@@ -2,7 +2,7 @@
 import { IconPlus } from '@tabler/icons-react'
 import { queryOptions, useQuery } from '@tanstack/react-query'
 import { Link } from '@tanstack/react-router'
-import { listSweeps } from '../api/calls'
+import { listSweeps } from '../client'
 import { count } from '../format/numbers'
 import { launchedBy } from '../format/people'
 import { moment, when } from '../format/time'

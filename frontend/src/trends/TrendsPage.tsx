@@ -2,11 +2,10 @@
 import { queryOptions, useQuery } from '@tanstack/react-query'
 import { Link, useNavigate, useSearch } from '@tanstack/react-router'
 import { useMemo } from 'react'
-import { getTrend } from '../api/calls'
 import { facetsQuery, isLive } from '../api/queries'
 import { ChartCard } from '../charts/ChartCard'
 import { OutcomesChart } from '../charts/OutcomesChart'
-import type { Trend, TrendRun } from '../client'
+import { getTrend, type Trend, type TrendRun } from '../client'
 import { count } from '../format/numbers'
 import { rfc3339 } from '../format/time'
 import { PageHead } from '../page/PageHead'
@@ -29,7 +28,7 @@ import styles from './trends.module.css'
 const trendQuery = ({ campaign, name, label }: TrendSearch) =>
   queryOptions({
     queryKey: ['trend', campaign, name, label],
-    queryFn: () => getTrend({ campaign, name, label }),
+    queryFn: () => getTrend({ query: { campaign, name, label } }),
     // While other labels are chosen the page stays, and with it the menu.
     placeholderData: (before: Trend | undefined, query) =>
       query?.queryKey[1] === campaign && query?.queryKey[2] === name ? before : undefined,

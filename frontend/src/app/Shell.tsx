@@ -3,21 +3,18 @@ import {
   IconApi,
   IconBell,
   IconBellFilled,
-  IconDeviceLaptop,
-  IconHistory,
-  IconKey,
   IconKeyboard,
   IconLogout,
   IconMoon,
   IconSearch,
   IconSun,
   IconUserPlus,
-  IconUsers,
 } from '@tabler/icons-react'
 import { useQuery, useQueryClient } from '@tanstack/react-query'
 import { Link, Outlet, useNavigate } from '@tanstack/react-router'
 import { clsx } from 'clsx'
 import { type ReactNode, useCallback, useEffect, useState } from 'react'
+import { pagesFor } from '../access/pages'
 import { hasRole } from '../api/access'
 import { useBaseStream } from '../api/events'
 import { sessionQuery } from '../api/queries'
@@ -139,8 +136,6 @@ function Session() {
   const cache = useQueryClient()
   if (!data) return null
   const initials = data.user.slice(0, 2).toUpperCase()
-  const admin = hasRole(data.role, 'admin')
-  const reviewer = hasRole(data.role, 'reviewer')
   const gone = () => {
     if (unsaved()) return signedOut() // what was typed is kept
     left()
@@ -161,27 +156,16 @@ function Session() {
         API
       </MenuItem>
       <MenuDivider />
-      {admin && (
-        <>
-          <MenuItem leftSection={<IconUserPlus className="i s" />} onClick={() => void navigate({ to: '/access/users', search: { invite: true } })}>
-            Invite
-          </MenuItem>
-          <MenuItem leftSection={<IconUsers className="i s" />} component={Link} to="/access/users">
-            Users
-          </MenuItem>
-        </>
-      )}
-      <MenuItem leftSection={<IconKey className="i s" />} component={Link} to="/access/tokens">
-        API tokens
-      </MenuItem>
-      <MenuItem leftSection={<IconDeviceLaptop className="i s" />} component={Link} to="/access/sessions">
-        Sessions
-      </MenuItem>
-      {reviewer && (
-        <MenuItem leftSection={<IconHistory className="i s" />} component={Link} to="/access/audit">
-          Audit trail
+      {hasRole(data.role, 'admin') && (
+        <MenuItem leftSection={<IconUserPlus className="i s" />} onClick={() => void navigate({ to: '/access/users', search: { invite: true } })}>
+          Invite
         </MenuItem>
       )}
+      {pagesFor(data.role).map(({ to, name, Icon }) => (
+        <MenuItem key={to} leftSection={<Icon className="i s" />} component={Link} to={to}>
+          {name}
+        </MenuItem>
+      ))}
       <MenuDivider />
       <MenuItem leftSection={<IconLogout className="i s" />} onClick={leave}>
         Sign out

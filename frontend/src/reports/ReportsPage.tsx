@@ -3,7 +3,6 @@ import { clsx } from 'clsx'
 import { IconFileText, IconFileTypePdf } from '@tabler/icons-react'
 import { useInfiniteQuery, useMutation } from '@tanstack/react-query'
 import { Link, useNavigate, useSearch } from '@tanstack/react-router'
-import { useCallback } from 'react'
 import { getFile } from '../api/calls'
 import { paged } from '../api/queries'
 import { listReports, type Report, type ReportFile } from '../client'
@@ -32,7 +31,7 @@ export function ReportsPage() {
   useTitle('Reports')
   const { q = '' } = useSearch({ from: '/reports' })
   const navigate = useNavigate({ from: '/reports' })
-  const search = useCallback((text: string) => void navigate({ search: { q: text || undefined }, replace: true }), [navigate])
+  const search = (text: string) => void navigate({ search: { q: text || undefined }, replace: true })
   const query = useInfiniteQuery(reportsQuery(q))
   if (!query.data)
     return (

@@ -2,7 +2,7 @@
 import { IconDownload, IconPlus, IconUpload } from '@tabler/icons-react'
 import { useInfiniteQuery, useQuery } from '@tanstack/react-query'
 import { Link, useNavigate, useSearch } from '@tanstack/react-router'
-import { useCallback, useState } from 'react'
+import { useState } from 'react'
 import { hasRole } from '../api/access'
 import { isLive, sessionQuery } from '../api/queries'
 import { EXPORTS, requirementsQuery } from '../api/requirements'
@@ -34,10 +34,7 @@ export function RequirementsPage() {
   useTitle('Requirements')
   const { q = '', status } = useSearch({ from: '/requirements' })
   const navigate = useNavigate({ from: '/requirements' })
-  const search = useCallback(
-    (text: string) => void navigate({ search: (old) => ({ ...old, q: text || undefined }), replace: true }),
-    [navigate],
-  )
+  const search = (text: string) => void navigate({ search: (old) => ({ ...old, q: text || undefined }), replace: true })
   const only = (next: Status | undefined) => void navigate({ search: (old) => ({ ...old, status: next }), replace: true })
   const [dialog, setDialog] = useState<Dialog>(null)
   const query = useInfiniteQuery(requirementsQuery(q))

@@ -10,6 +10,7 @@ import { BrandMark } from './Brand'
 import { at } from '../format/root'
 import { unsaved } from '../page/unsaved'
 import { ButtonAnchor } from '../ui/Button'
+import { inTurn } from '../ui/usePolling'
 import { cards, layout } from '../ui/styles'
 import styles from './app.module.css'
 
@@ -67,10 +68,8 @@ export function SignedOut() {
 function useReturn(): void {
   const cache = useQueryClient()
   useEffect(() => {
-    let asking = false
+    const turn = inTurn()
     const ask = async () => {
-      if (document.hidden || asking) return
-      asking = true
       try {
         const before = cache.getQueryData<SessionInfo>(sessionQuery.queryKey)
         const session = await getSession()
@@ -81,11 +80,9 @@ function useReturn(): void {
         void cache.invalidateQueries({ predicate: ({ state }) => state.status === 'error' })
       } catch {
         // Not yet.
-      } finally {
-        asking = false
       }
     }
-    const come = () => void ask()
+    const come = () => document.hidden || turn(ask)
     window.addEventListener('focus', come)
     document.addEventListener('visibilitychange', come)
     return () => {

@@ -5,7 +5,7 @@ import { clsx } from 'clsx'
 import { getOpenApi } from '../api/calls'
 import { Contents } from '../help/HelpFrame'
 import { PageHead } from '../page/PageHead'
-import { Loading, Trouble } from '../page/Trouble'
+import { Unloaded } from '../page/Trouble'
 import { useTitle } from '../page/useTitle'
 import { ButtonAnchor } from '../ui/Button'
 import { Card } from '../ui/Card'
@@ -19,8 +19,7 @@ import styles from './docs.module.css'
 export function ApiPage() {
   useTitle('API')
   const query = useQuery({ queryKey: ['openapi'], queryFn: getOpenApi, staleTime: Number.POSITIVE_INFINITY })
-  if (query.isError && !query.data) return <Trouble error={query.error} retry={() => void query.refetch()} />
-  if (!query.data) return <Loading what="the API" title="API" failed={query.failureReason} />
+  if (!query.data) return <Unloaded query={query} what="the API" title="API" />
   return <Page document={query.data as OpenApi} />
 }
 

@@ -9,7 +9,7 @@ import { listReports, type Report, type ReportFile } from '../client'
 import { count } from '../format/numbers'
 import { when } from '../format/time'
 import { PageHead } from '../page/PageHead'
-import { Loaded } from '../page/Trouble'
+import { Unloaded } from '../page/Trouble'
 import { useTitle } from '../page/useTitle'
 import { SignedBy } from '../signoffs/SignedBy'
 import { RunCell } from '../trends/cells'
@@ -37,7 +37,7 @@ export function ReportsPage() {
     return (
       <>
         <PageHead title="Reports" />
-        <Loaded query={query} what="reports">{() => null}</Loaded>
+        <Unloaded query={query} what="reports" below />
       </>
     )
   const items = query.data.pages.flatMap((page) => page.items)

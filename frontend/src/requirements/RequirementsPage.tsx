@@ -9,7 +9,7 @@ import { EXPORTS, requirementsQuery } from '../api/requirements'
 import type { RequirementRow } from '../client'
 import { count } from '../format/numbers'
 import { PageHead } from '../page/PageHead'
-import { Loaded } from '../page/Trouble'
+import { Unloaded } from '../page/Trouble'
 import { useTitle } from '../page/useTitle'
 import { MenuItem } from '../overlay/later'
 import { Button, TextButton, worded } from '../ui/Button'
@@ -46,7 +46,7 @@ export function RequirementsPage() {
     return (
       <>
         <PageHead title="Requirements" />
-        <Loaded query={query} what="requirements">{() => null}</Loaded>
+        <Unloaded query={query} what="requirements" below />
       </>
     )
   const total = query.data.pages[0]?.total ?? items.length

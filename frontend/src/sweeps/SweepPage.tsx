@@ -14,7 +14,7 @@ import { launchedBy } from '../format/people'
 import { moment } from '../format/time'
 import { ofUnit, unitText } from '../format/units'
 import { PageHead } from '../page/PageHead'
-import { Loading, Trouble } from '../page/Trouble'
+import { Unloaded } from '../page/Trouble'
 import { useTitle } from '../page/useTitle'
 import { boundOf, CodeCell, DateCell, marginOf, OutcomeBadge, RunCell } from '../trends/cells'
 import { Button, ButtonAnchor, ButtonLink } from '../ui/Button'
@@ -33,8 +33,7 @@ export function SweepPage() {
   const query = useQuery(sweepQuery(id))
   useTitle(query.data ? `${id} ${query.data.name}` : id)
   usePolling(() => query.refetch(), 2000, query.data !== undefined && activeOf(query.data.states) > 0)
-  if (query.isError && !query.data) return <Trouble error={query.error} retry={() => void query.refetch()} />
-  if (!query.data) return <Loading what={id} failed={query.failureReason} />
+  if (!query.data) return <Unloaded query={query} what={id} />
   return <Shown sweep={query.data} />
 }
 

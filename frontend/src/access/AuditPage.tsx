@@ -3,15 +3,15 @@ import { clsx } from 'clsx'
 import { IconDownload } from '@tabler/icons-react'
 import { useInfiniteQuery } from '@tanstack/react-query'
 import { useNavigate, useSearch } from '@tanstack/react-router'
-import { listAudit } from '../api/access'
 import { paged } from '../api/queries'
-import type { AuditEntry, AuditPage as Page } from '../client'
+import { type AuditEntry, type AuditPage as Page, listAudit } from '../client'
 import { count } from '../format/numbers'
 import { viaOf } from '../format/people'
 import { moment } from '../format/time'
 import { Loaded } from '../page/Trouble'
-import { Button, ButtonAnchor, TextButton } from '../ui/Button'
+import { ButtonAnchor, TextButton } from '../ui/Button'
 import { Card } from '../ui/Card'
+import { ShowMore } from '../ui/ShowMore'
 import { type Column, Table } from '../ui/Table'
 import { Digests } from '../ui/Digests'
 import { CopyButton } from '../ui/files'
@@ -20,7 +20,8 @@ import { at } from '../format/root'
 import styles from './access.module.css'
 import { fields } from '../ui/styles'
 
-const auditQuery = (actor: string, action: string) => paged(['audit', actor, action], (cursor) => listAudit(actor, action, cursor), 0)
+const auditQuery = (actor: string, action: string) =>
+  paged(['audit', actor, action], (cursor) => listAudit({ query: { actor, action, ...(cursor ? { cursor } : {}) } }), 0)
 
 export function AuditPage() {
   const { actor = '', action = '' } = useSearch({ from: '/access/audit' })
@@ -46,13 +47,7 @@ export function AuditPage() {
               title="What was done"
               note={`${count(first.total)} ${first.total === 1 ? 'row' : 'rows'} in all; each holds the hash of the one before`}
               flush
-              footer={
-                query.hasNextPage && (
-                  <Button small disabled={query.isFetchingNextPage} onClick={() => void query.fetchNextPage()}>
-                    {query.isFetchingNextPage ? 'Loading …' : 'Show earlier ones'}
-                  </Button>
-                )
-              }
+              footer={query.hasNextPage && <ShowMore query={query} total={first.total} words="Show earlier ones" />}
             >
               <EntriesList entries={data.pages.flatMap((page) => page.items)} onAll={() => void navigate({ search: {}, replace: true })} />
             </Card>

@@ -2,8 +2,8 @@
 import { Link } from '@tanstack/react-router'
 import { useState } from 'react'
 import { useChange } from '../api/change'
-import { inviteUser, type Role, ROLES } from '../api/access'
-import type { Invitation } from '../client'
+import { type Role, ROLES } from '../api/access'
+import { type Invitation, inviteUser } from '../client'
 import { moment } from '../format/time'
 import { isLocal } from './hosts'
 import { MakingForm, MayChoice } from './MakingForm'
@@ -12,7 +12,7 @@ import { ROOT } from '../format/root'
 
 export function InviteForm({ onDone }: { onDone: () => void }) {
   const [role, setRole] = useState<Role>('engineer')
-  const invite = useChange((name: string) => inviteUser({ name, role }), ['users'])
+  const invite = useChange((name: string) => inviteUser({ body: { name, role } }), ['users'])
   if (invite.data) return <InvitationLink invitation={invite.data} onDone={onDone} />
   return (
     <MakingForm

@@ -3,10 +3,10 @@ import { clsx } from 'clsx'
 import { IconLock } from '@tabler/icons-react'
 import { useQuery } from '@tanstack/react-query'
 import { useState } from 'react'
-import { changePassword, revokeSession, sessionsQuery } from '../api/access'
+import { sessionsQuery } from '../api/access'
 import { useChange } from '../api/change'
 import { sessionQuery } from '../api/queries'
-import type { BrowserSession } from '../client'
+import { type BrowserSession, changePassword, revokeSession } from '../client'
 import { moment, when } from '../format/time'
 import { Loaded } from '../page/Trouble'
 import { Button } from '../ui/Button'
@@ -49,7 +49,7 @@ export function SessionsPage() {
 }
 
 function BrowsersList({ sessions }: { sessions: readonly BrowserSession[] }) {
-  const revoke = useChange(revokeSession, ['sessions'])
+  const revoke = useChange((session: string) => revokeSession({ path: { session } }), ['sessions'])
   const columns: Column<BrowserSession>[] = [
     { head: 'User', tone: clsx('m', styles.who), cell: ({ user }) => user },
     { head: 'Browser', tone: 'nw', label: 'Browser', tip: ({ agent }) => agent, cell: ({ agent }) => browserOf(agent) },
@@ -83,7 +83,7 @@ function PasswordForm({ has, user, onDone }: { has: boolean; user: string; onDon
   const [current, setCurrent] = useState('')
   const [next, setNext] = useState('')
   const [again, setAgain] = useState('')
-  const change = useChange(() => changePassword(current, next), ['session', 'sessions'], onDone)
+  const change = useChange(() => changePassword({ body: { current: current || null, new: next } }), ['session', 'sessions'], onDone)
   const differ = again !== '' && again !== next
   return (
     <Form sent={change} send={has ? 'Change' : 'Set'} off={!next || again !== next} onSend={() => change.mutate()} onLeave={onDone}>

@@ -3,10 +3,10 @@ import { clsx } from 'clsx'
 import { IconKey } from '@tabler/icons-react'
 import { useQuery } from '@tanstack/react-query'
 import { useState } from 'react'
-import { createToken, hasRole, revokeToken, tokensQuery } from '../api/access'
+import { hasRole, tokensQuery } from '../api/access'
 import { useChange } from '../api/change'
 import { sessionQuery } from '../api/queries'
-import type { Token } from '../client'
+import { createToken, revokeToken, type Token } from '../client'
 import { moment, when } from '../format/time'
 import { Loaded } from '../page/Trouble'
 import { Button } from '../ui/Button'
@@ -101,7 +101,7 @@ function CreateForm({ onDone }: { onDone: () => void }) {
   const role = useQuery(sessionQuery).data?.role
   const [scope, setScope] = useState<'read' | 'run' | 'admin'>(hasRole(role, 'engineer') ? 'run' : 'read')
   const [days, setDays] = useState<number | null>(90)
-  const create = useChange((name: string) => createToken({ name, scope, days }), ['tokens'])
+  const create = useChange((name: string) => createToken({ body: { name, scope, days } }), ['tokens'])
   if (create.data)
     return (
       <Secret text={create.data.secret} copy="Copy the token" onDone={onDone}>
@@ -134,7 +134,7 @@ function CreateForm({ onDone }: { onDone: () => void }) {
 }
 
 function RevokeForm({ token, onDone }: { token: Token; onDone: () => void }) {
-  const revoke = useChange(() => revokeToken(token.name), ['tokens'], onDone)
+  const revoke = useChange(() => revokeToken({ path: { token: token.name } }), ['tokens'], onDone)
   return (
     <Form sent={revoke} send="Revoke" danger onSend={() => revoke.mutate()} leave="Keep it" onLeave={onDone}>
       <p className="sec">Programs that use it are refused from now on. This cannot be undone, and the name cannot be used again.</p>

@@ -3,10 +3,10 @@ import { IconUserPlus } from '@tabler/icons-react'
 import { useMutation, useQuery, useQueryClient } from '@tanstack/react-query'
 import { useNavigate, useSearch } from '@tanstack/react-router'
 import { useState } from 'react'
-import { changeSettings, changeUser, renewInvitation, type Role, ROLES, settingsQuery, usersQuery } from '../api/access'
+import { type Role, ROLES, settingsQuery, usersQuery } from '../api/access'
 import { useChange } from '../api/change'
 import { sessionQuery } from '../api/queries'
-import type { User } from '../client'
+import { changeSettings, changeUser, renewInvitation, type User } from '../client'
 import { count } from '../format/numbers'
 import { moment, when } from '../format/time'
 import { Failed, Loaded } from '../page/Trouble'
@@ -91,8 +91,13 @@ function Access({ user }: { user: User }) {
 
 function ChangeForm({ user, onDone }: { user: User; onDone: () => void }) {
   const [role, setRole] = useState<Role>(user.role)
-  const change = useChange((changes: { role?: Role; disabled?: boolean }) => changeUser(user, changes), ['users'], onDone)
-  const renew = useChange(() => renewInvitation(user.name), ['users'])
+  // Refused with 412 if another administrator has changed the user since they were read.
+  const change = useChange(
+    (body: { role?: Role; disabled?: boolean }) => changeUser({ path: { user: user.name }, body, headers: { 'If-Match': user.etag } }),
+    ['users'],
+    onDone,
+  )
+  const renew = useChange(() => renewInvitation({ path: { user: user.name } }), ['users'])
   if (renew.data) return <InvitationLink invitation={renew.data} onDone={onDone} />
   const disabled = user.state === 'disabled'
   return (
@@ -126,7 +131,7 @@ function SignOffs() {
   const cache = useQueryClient()
   const { data, error, refetch } = useQuery(settingsQuery)
   const change = useMutation({
-    mutationFn: (own: boolean) => changeSettings({ own_sign_offs: own }),
+    mutationFn: (own: boolean) => changeSettings({ body: { own_sign_offs: own } }),
     onSuccess: (stored) => cache.setQueryData(settingsQuery.queryKey, stored),
   })
   return (

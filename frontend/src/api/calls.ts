@@ -1,6 +1,7 @@
-// All requests of the pages, over the generated client: typed responses, `Refusal` for errors.
+// Sets up the generated client, whose requests resolve with their data and reject with a `Refusal`; and requests that several
+// parts of the pages make, or that need more than the client.
 
-import type { CaseRequest, Checked, DraftContent, DraftReplace, FlightRequest, ListRunsData, Preview, ProposeSearchesData, RunDetail, RunEdit, RunSummary, SignoffRequest, SweepDetail, ViewChange } from '../client'
+import type { CaseRequest, DraftContent, DraftReplace, FlightRequest, ListRunsData, ProposeSearchesData, RunEdit, RunSubmit, SweepSubmit, ViewChange } from '../client'
 import * as sdk from '../client'
 import { ROOT } from '../format/root'
 import { client } from '../client/client.gen'
@@ -11,56 +12,42 @@ import { pulse } from './pulse'
 
 client.setConfig({ baseUrl: ROOT, fetch: (request) => pulse.follow(fetchOnce(request as Request)) })
 
-interface Answer<T> {
-  data?: T
-  error?: unknown
-  response?: Response
-}
-
-export async function answer<T>(request: Promise<Answer<T>>): Promise<T> {
-  const { data, error, response } = await request
-  if (!response?.ok) throw refusalOf(error, response)
-  return data as T
-}
-
-export type RunFilter = Omit<NonNullable<ListRunsData['query']>, 'cursor' | 'limit'>
-
-export const endSession = () => answer(sdk.endSession())
-/** The API's OpenAPI document as JSON; parsed in `docs/openapi`. */
-export const getOpenApi = (): Promise<unknown> =>
-  answer(client.get<unknown>({ url: '/api/v1/openapi.json' }) as Promise<Answer<unknown>>)
-
-export const listRuns = (filter: RunFilter, cursor: string | null, limit = 100) => answer(sdk.listRuns({ query: { ...filter, limit, ...(cursor ? { cursor } : {}) } }))
+client.interceptors.error.use(refusalOf)
 
 /** Entity tags of runs as they were read last, for edits. */
 const tags = new Map<string, string>()
 
-async function tagged(run: string, request: Promise<Answer<RunDetail>>): Promise<RunDetail> {
-  const found = await answer(request)
-  const tag = (await request).response?.headers.get('ETag')
-  if (tag) tags.set(run, tag)
-  return found
-}
+client.interceptors.response.use((response, { url }) => {
+  const run = /\/api\/v1\/runs\/(R-\d+)$/.exec(url)?.[1]
+  const tag = response.ok && response.headers.get('ETag')
+  if (run && tag) tags.set(run, tag)
+  return response
+})
 
-export const getRun = (run: string) => tagged(run, sdk.getRun({ path: { run } }))
+export type RunFilter = Omit<NonNullable<ListRunsData['query']>, 'cursor' | 'limit'>
+
+/** The API's OpenAPI document as JSON; parsed in `docs/openapi`. */
+export const getOpenApi = () => client.get<unknown, unknown, true, 'data'>({ url: '/api/v1/openapi.json', responseStyle: 'data' })
+
+export const listRuns = (filter: RunFilter, cursor: string | null, limit = 100) => sdk.listRuns({ query: { ...filter, limit, ...(cursor ? { cursor } : {}) } })
+
+export const getRun = (run: string) => sdk.getRun({ path: { run } })
 /** Its campaign as a file: the original text if it was submitted as text. */
-export const getRunText = (run: string) => answer(sdk.getRunCampaign({ path: { run }, parseAs: 'text' }))
-export const cancelRun = (run: string) => answer(sdk.cancelRun({ path: { run } }))
-export const retryRun = (run: string) => answer(sdk.retryRun({ path: { run } }))
-export const restartRun = (run: string) => answer(sdk.restartRun({ path: { run } }))
-export const continueRun = (run: string) => answer(sdk.continueRun({ path: { run } }))
+export const getRunText = (run: string) => sdk.getRunCampaign({ path: { run }, parseAs: 'text' })
+export const cancelRun = (run: string) => sdk.cancelRun({ path: { run } })
+export const retryRun = (run: string) => sdk.retryRun({ path: { run } })
+export const restartRun = (run: string) => sdk.restartRun({ path: { run } })
+export const continueRun = (run: string) => sdk.continueRun({ path: { run } })
 /** The entity tag of a run as it is shown now. */
 export const tagOf = (run: string): string | undefined => tags.get(run)
 /** A name or tags replace those with the tag; notes have their own check, and the pin is set whatever it was. */
-export const editRun = (run: string, change: RunEdit, tag?: string): Promise<RunDetail> =>
-  tagged(run, sdk.editRun({ path: { run }, body: change, headers: tag === undefined ? {} : { 'If-Match': tag } }))
+export const editRun = (run: string, change: RunEdit, tag?: string) =>
+  sdk.editRun({ path: { run }, body: change, headers: tag === undefined ? {} : { 'If-Match': tag } })
 
-export const cancelRuns = (runs: string[]) => answer(sdk.cancelRuns({ body: { runs } }))
-export const removeRuns = (runs: string[], reason: string) => answer(sdk.removeRuns({ body: { runs, reason } }))
-export const restoreRuns = (runs: string[]) => answer(sdk.restoreRuns({ body: { runs } }))
-export const getHistory = (run: string) => answer(sdk.listHistory({ path: { run } }))
+export const removeRuns = (runs: string[], reason: string) => sdk.removeRuns({ body: { runs, reason } })
+export const restoreRuns = (runs: string[]) => sdk.restoreRuns({ body: { runs } })
+export const getHistory = (run: string) => sdk.listHistory({ path: { run } })
 
-export const getExports = (run: string) => answer(sdk.listExports({ path: { run } }))
 /** A file that is generated on request, as a stream. */
 export async function getFile(href: string): Promise<Blob> {
   const response = await fetch(href).catch(() => undefined)
@@ -68,30 +55,18 @@ export async function getFile(href: string): Promise<Blob> {
   return response.blob()
 }
 
-/** Other runs of the same campaign, and those that differ only in the seed or the code. */
-export const getRelated = (run: string) => answer(sdk.listRelated({ path: { run } }))
-export const getTrend = (query: { campaign?: string; name?: string; label?: string[] }) => answer(sdk.getTrend({ query }))
-export const listSweeps = () => answer(sdk.listSweeps())
-export const getSweep = (sweep: string) => answer(sdk.getSweep({ path: { sweep } }))
-export const cancelSweep = (sweep: string) => answer(sdk.cancelSweep({ path: { sweep } }))
-export const listReports = (q: string, cursor: string | null) => answer(sdk.listReports({ query: { q, ...(cursor ? { cursor } : {}) } }))
-
-export const getSignoffs = (run: string) => answer(sdk.listSignoffs({ path: { run } }))
-export const signOff = (run: string, body: SignoffRequest) => answer(sdk.signOff({ path: { run }, body }))
-export const withdrawSignoff = (run: string, signoff: number, reason: string) => answer(sdk.withdrawSignoff({ path: { run, signoff }, body: { reason } }))
-
 /** The state of the 3D view that this page opened: now, or once it differs from a revision. */
 export const getView = (
   run: string,
   key: string,
   signal?: AbortSignal,
   news?: { since: number; wait: number },
-) => answer(sdk.getView({ path: { run, key }, query: news, signal }))
+) => sdk.getView({ path: { run, key }, query: news, signal })
 /** One flight of a run with other parameters; superseded by a newer request of the same client. */
-export const simulateFlight = (run: string, body: FlightRequest) => answer(sdk.simulateFlight({ path: { run }, body }))
+export const simulateFlight = (run: string, body: FlightRequest) => sdk.simulateFlight({ path: { run }, body })
 
 /** Evaluates one case of a run's simulator with other parameters. */
-export const evaluateCase = (run: string, body: CaseRequest) => answer(sdk.evaluateCase({ path: { run }, body }))
+export const evaluateCase = (run: string, body: CaseRequest) => sdk.evaluateCase({ path: { run }, body })
 
 /** Changes the 3D view; the service waits up to this many seconds for it to open. */
 export const changeView = (
@@ -100,63 +75,32 @@ export const changeView = (
   body: ViewChange,
   wait: number,
   signal?: AbortSignal,
-) => answer(sdk.changeView({ path: { run, key }, body, query: { wait }, signal }))
-
-/** Sends a document of the form, whose fields may be wrong yet, or YAML text. */
-const post = <T>(url: string, body: object | string, more: { headers?: Record<string, string>; signal?: AbortSignal }): Promise<T> =>
-  answer(
-    client.post<T>({
-      url: `/api/v1/${url}`,
-      body: typeof body === 'string' ? body : JSON.stringify(body),
-      bodySerializer: null,
-      ...more,
-      headers: { 'Content-Type': typeof body === 'string' ? 'application/yaml' : 'application/json', ...more.headers },
-    }) as Promise<Answer<T>>,
-  )
+) => sdk.changeView({ path: { run, key }, body, query: { wait }, signal })
 
 /** The JSON Schema of a campaign. */
-export const getSchema = () => answer(sdk.campaignSchema())
+export const getSchema = () => sdk.campaignSchema()
 
-/** Checks a campaign: its parsed form, or its errors. */
+/** YAML text, sent as it is. */
+const asText = (text: string) => ({ body: text as never, bodySerializer: null, headers: { 'Content-Type': 'application/yaml' } })
+
+/** Checks a campaign, whose fields may be wrong yet, or its text: its parsed form, or its errors. */
 export const checkCampaign = (campaign: Campaign | string, signal?: AbortSignal) =>
-  post<Checked>('campaigns/check', typeof campaign === 'string' ? campaign : { campaign }, { signal })
+  sdk.checkCampaign({ ...(typeof campaign === 'string' ? asText(campaign) : { body: { campaign } }), signal })
 
 /** The nominal flight of a campaign; a new combination of components is compiled first. */
-export const previewCampaign = (campaign: Campaign, signal?: AbortSignal) => post<Preview>('campaigns/preview', { campaign }, { signal })
+export const previewCampaign = (campaign: Campaign, signal?: AbortSignal) => sdk.previewCampaign({ body: { campaign }, signal })
 
 export type ProposalRequest = ProposeSearchesData['query'] & { simulator: string }
 
 /** Search methods and budgets for a simulator, from what its evaluations took in the newest run of it. */
-export const proposeSearches = ({ simulator, ...query }: ProposalRequest) => answer(sdk.proposeSearches({ path: { name: simulator }, query }))
+export const proposeSearches = ({ simulator, ...query }: ProposalRequest) => sdk.proposeSearches({ path: { name: simulator }, query })
 
-export const createDraft = (body: DraftContent) => answer(sdk.createDraft({ body }))
-export const saveDraft = (draft: string, body: DraftReplace) => answer(sdk.saveDraft({ path: { draft }, body }))
-export const deleteDraft = (draft: string, version?: number) => answer(sdk.deleteDraft({ path: { draft }, query: { version } }))
-
-interface Launch {
-  campaign: Campaign
-  name: string
-  tags: string[]
-  labels: Record<string, string>
-}
-
-export interface Submission extends Launch {
-  /** A run, or label:KEY=VALUE. */
-  baseline: string | null
-  /** The original text of the campaign. */
-  text: string
-}
-
-export interface SweepRequest extends Launch {
-  /** A parameter that is not uncertain. */
-  path: string
-  values: number[]
-}
+export const createDraft = (body: DraftContent) => sdk.createDraft({ body })
+export const saveDraft = (draft: string, body: DraftReplace) => sdk.saveDraft({ path: { draft }, body })
+export const deleteDraft = (draft: string, version?: number) => sdk.deleteDraft({ path: { draft }, query: { version } })
 
 /** Starts a run; the same key never starts a second one. */
-export const submitRun = (submission: Submission, key: string) =>
-  post<RunSummary>('runs', submission, { headers: { 'Idempotency-Key': key } })
+export const submitRun = (body: RunSubmit, key: string) => sdk.submitRun({ body, headers: { 'Idempotency-Key': key } })
 
 /** Launches a sweep; the same key never launches a second one. */
-export const submitSweep = (request: SweepRequest, key: string) =>
-  post<SweepDetail>('sweeps', request, { headers: { 'Idempotency-Key': key } })
+export const submitSweep = (body: SweepSubmit, key: string) => sdk.submitSweep({ body, headers: { 'Idempotency-Key': key } })

@@ -48,7 +48,8 @@ export interface Repeats {
 /** A requirement that a criterion states; a file may give its id alone. */
 export type Stated = string | { id?: string; text?: string } | null
 
-export interface Campaign {
+/** A type, not an interface: requests take it as a document. */
+export type Campaign = {
   version?: number
   name: string
   summary?: string

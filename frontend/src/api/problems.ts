@@ -4,9 +4,12 @@ import type { ProblemError } from '../client'
 
 export type FieldProblem = ProblemError
 
-/** A detail of the service as a sentence: with a full stop, and a capital letter unless it begins with a name such as `vehicle.m`. */
+/** A clause with a capital letter, unless it begins with a name, such as that of a file or `vehicle.m`. */
+export const capital = (clause: string): string => (/^[a-z]+[ ,:;]/.test(clause) ? clause.charAt(0).toUpperCase() + clause.slice(1) : clause)
+
+/** A detail of the service as a sentence. */
 export function statement(detail: string): string {
-  const text = /^[a-z]+[ ,:;]/.test(detail) ? detail.charAt(0).toUpperCase() + detail.slice(1) : detail
+  const text = capital(detail)
   return /[.!?…]$/.test(text) ? text : `${text}.`
 }
 

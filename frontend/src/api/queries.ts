@@ -5,7 +5,7 @@ import {
 import type { ReweightRequest, RunSummary, TraceHead } from '../client'
 import { learnMethods, requestBy } from '../ui/methods'
 import * as sdk from '../client'
-import { answer, getRun, getSchema, listRuns, type RunFilter } from './calls'
+import { getRun, getSchema, listRuns, type RunFilter } from './calls'
 import { Refusal } from './problems'
 import { signedOut } from './session'
 
@@ -37,13 +37,15 @@ export const queryClient = new Cache({
   },
 })
 
-export const isLive = (run: Pick<RunSummary, 'state'>): boolean =>
-  run.state === 'queued' || run.state === 'running' || run.state === 'cancelling'
+/** The states of a run that has not ended. */
+export const LIVE = ['queued', 'running', 'cancelling'] as const
 
-export const sessionQuery = queryOptions({ queryKey: ['session'], queryFn: () => answer(sdk.getSession()), staleTime: 60_000 })
+export const isLive = (run: Pick<RunSummary, 'state'>): boolean => LIVE.some((state) => state === run.state)
+
+export const sessionQuery = queryOptions({ queryKey: ['session'], queryFn: () => sdk.getSession(), staleTime: 60_000 })
 
 /** Who executes runs; kept up to date by the event stream where there is one. */
-export const workersQuery = queryOptions({ queryKey: ['workers'], queryFn: () => answer(sdk.listWorkers()), staleTime: 4000 })
+export const workersQuery = queryOptions({ queryKey: ['workers'], queryFn: () => sdk.listWorkers(), staleTime: 4000 })
 
 /** A worker publishes the catalogue when it starts; until then the service returns 503. */
 const untilPublished = {
@@ -54,13 +56,13 @@ const untilPublished = {
 export const catalogueQuery = queryOptions({
   ...untilPublished,
   queryKey: ['catalogue'],
-  queryFn: async () => learnMethods(await answer(sdk.listComponents())),
+  queryFn: async () => learnMethods(await sdk.listComponents()),
   staleTime: 10_000, // a component may have been edited in another window
 })
 
 requestBy(() => queryClient.prefetchQuery(catalogueQuery))
 
-export const libraryQuery = queryOptions({ queryKey: ['library'], queryFn: () => answer(sdk.listCampaigns()), staleTime: 300_000 })
+export const libraryQuery = queryOptions({ queryKey: ['library'], queryFn: () => sdk.listCampaigns(), staleTime: 300_000 })
 
 export const schemaQuery = queryOptions({
   queryKey: ['schema'],
@@ -68,13 +70,13 @@ export const schemaQuery = queryOptions({
   staleTime: Number.POSITIVE_INFINITY,
 })
 
-export const draftsQuery = queryOptions({ queryKey: ['drafts'], queryFn: () => answer(sdk.listDrafts()) })
+export const draftsQuery = queryOptions({ queryKey: ['drafts'], queryFn: () => sdk.listDrafts() })
 
 /** Read once: edits are based on the version that was opened. */
 export const draftQuery = (id: string) =>
   queryOptions({
     queryKey: ['draft', id],
-    queryFn: () => answer(sdk.getDraft({ path: { draft: id } })),
+    queryFn: () => sdk.getDraft({ path: { draft: id } }),
     staleTime: Number.POSITIVE_INFINITY,
     gcTime: 0,
   })
@@ -93,7 +95,7 @@ export const paged = <P extends { next_cursor: string | null }>(queryKey: readon
 export const runsQuery = (filter: RunFilter) => paged(['runs', filter], (cursor) => listRuns(filter, cursor))
 
 /** The values by which the list can be filtered. */
-export const facetsQuery = queryOptions({ queryKey: ['facets'], queryFn: () => answer(sdk.listFacets()) })
+export const facetsQuery = queryOptions({ queryKey: ['facets'], queryFn: () => sdk.listFacets() })
 
 export const runQuery = (id: string) => queryOptions({ queryKey: ['run', id], queryFn: () => getRun(id) })
 
@@ -103,7 +105,7 @@ export const componentsQuery = (id: string) =>
     ...untilPublished,
     queryKey: ['components', id],
     queryFn: async () => {
-      const components = await answer(sdk.listRunComponents({ path: { run: id } }))
+      const components = await sdk.listRunComponents({ path: { run: id } })
       learnMethods(components.catalogue, true)
       return components
     },
@@ -112,52 +114,52 @@ export const componentsQuery = (id: string) =>
 
 /** Between the code of two runs, which no longer changes once both have started. */
 export const codeQuery = (id: string, against: string) =>
-  queryOptions({ queryKey: ['code', id, against], queryFn: () => answer(sdk.compareCode({ path: { run: id }, query: { against } })), staleTime: 300_000 })
+  queryOptions({ queryKey: ['code', id, against], queryFn: () => sdk.compareCode({ path: { run: id }, query: { against } }), staleTime: 300_000 })
 
 export const stagesQuery = (id: string) =>
-  queryOptions({ queryKey: ['stages', id], queryFn: () => answer(sdk.listStages({ path: { run: id } })) })
+  queryOptions({ queryKey: ['stages', id], queryFn: () => sdk.listStages({ path: { run: id } }) })
 
 /** Whether cases of a run's simulator can be evaluated; asked when the what-if opens, because it starts a process. */
 export const caseInstalledQuery = (id: string) =>
-  queryOptions({ queryKey: ['case installed', id], queryFn: () => answer(sdk.caseInstalled({ path: { run: id } })), staleTime: 60_000, retry: false })
+  queryOptions({ queryKey: ['case installed', id], queryFn: () => sdk.caseInstalled({ path: { run: id } }), staleTime: 60_000, retry: false })
 
 /** What charts of the search show: every improvement, the best point, and the first evaluations without a value. */
 export const evaluationsQuery = (id: string) =>
-  queryOptions({ queryKey: ['evaluations', id], queryFn: () => answer(sdk.getEvaluations({ path: { run: id }, query: { max_points: 2 } })) })
+  queryOptions({ queryKey: ['evaluations', id], queryFn: () => sdk.getEvaluations({ path: { run: id }, query: { max_points: 2 } }) })
 
 /** With an even selection of all evaluations, which takes a megabyte of a long search; those of a run that is over change no more. */
 export const pointsQuery = ({ id, state }: Pick<RunSummary, 'id' | 'state'>) =>
   queryOptions({
     queryKey: ['evaluations', id, 'points', isLive({ state })],
-    queryFn: () => answer(sdk.getEvaluations({ path: { run: id }, query: { max_points: 2000 } })),
+    queryFn: () => sdk.getEvaluations({ path: { run: id }, query: { max_points: 2000 } }),
     ...(!isLive({ state }) && { staleTime: 300_000 }),
   })
 
 /** Computed at every request, so it is read once after the run has ended. */
 export const coverageQuery = (id: string) =>
-  queryOptions({ queryKey: ['coverage', id], queryFn: () => answer(sdk.getCoverage({ path: { run: id } })), staleTime: 300_000 })
+  queryOptions({ queryKey: ['coverage', id], queryFn: () => sdk.getCoverage({ path: { run: id } }), staleTime: 300_000 })
 
 export const findingsQuery = (id: string) =>
-  queryOptions({ queryKey: ['findings', id], queryFn: () => answer(sdk.listFindings({ path: { run: id } })) })
+  queryOptions({ queryKey: ['findings', id], queryFn: () => sdk.listFindings({ path: { run: id } }) })
 
 /** Computed from all evaluations when it is asked for. */
 export const mostLikelyQuery = (id: string) =>
-  queryOptions({ queryKey: ['most likely', id], queryFn: () => answer(sdk.getMostLikely({ path: { run: id } })) })
+  queryOptions({ queryKey: ['most likely', id], queryFn: () => sdk.getMostLikely({ path: { run: id } }) })
 
 /** The independent sample, re-weighted to other distributions. */
 export const reweightedQuery = (id: string, body: ReweightRequest) =>
   queryOptions({
     queryKey: ['reweighted', id, body],
-    queryFn: ({ signal }) => answer(sdk.reweightSample({ path: { run: id }, body, signal })),
+    queryFn: ({ signal }) => sdk.reweightSample({ path: { run: id }, body, signal }),
     placeholderData: (before, query) => (query?.queryKey[1] === id ? before : undefined),
     retry: false,
   })
 
 export const tracesQuery = (id: string) =>
-  queryOptions({ queryKey: ['traces', id], queryFn: () => answer(sdk.listTraces({ path: { run: id } })).then((all) => all.map(counted)) })
+  queryOptions({ queryKey: ['traces', id], queryFn: () => sdk.listTraces({ path: { run: id } }).then((all) => all.map(counted)) })
 
 const getTrace = (run: string, name: string, most: number) =>
-  answer(sdk.getTrace({ path: { run, name }, query: { max_points: most } })).then(counted)
+  sdk.getTrace({ path: { run, name }, query: { max_points: most } }).then(counted)
 
 /** A flight without a closest approach if it did not end ok: how near a failed one came is no value of it. */
 export const counted = <T extends { meta: TraceHead }>(trace: T): T =>

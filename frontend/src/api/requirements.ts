@@ -3,7 +3,6 @@ import { queryOptions } from '@tanstack/react-query'
 import type { Imported, RequirementFileOut } from '../client'
 import * as sdk from '../client'
 import { at } from '../format/root'
-import { answer } from './calls'
 import { paged } from './queries'
 
 const AT = '/api/v1/requirements'
@@ -19,11 +18,11 @@ export const EXPORTS = [
 export const contentOf = (file: RequirementFileOut): string => at(`${AT}/files/${file.id}/content`)
 
 export const requirementsQuery = (q: string) =>
-  paged(['requirements', q], (cursor) => answer(sdk.listRequirements({ query: { q, ...(cursor ? { cursor } : {}) } })), 0)
+  paged(['requirements', q], (cursor) => sdk.listRequirements({ query: { q, ...(cursor ? { cursor } : {}) } }), 0)
 
 export const importsQuery = queryOptions({
   queryKey: ['requirement-files'],
-  queryFn: () => answer(sdk.listImports()),
+  queryFn: () => sdk.listImports(),
   staleTime: 0,
 })
 
@@ -35,15 +34,14 @@ export interface RequirementImport {
 
 /** Sends a file as it is. */
 export const importFile = ({ file, idAttribute, textAttribute }: RequirementImport): Promise<Imported> =>
-  answer(sdk.importRequirements({ body: file, query: { name: file.name, kind: kindOf(file.name), id_attribute: idAttribute, text_attribute: textAttribute } }))
+  sdk.importRequirements({ body: file, query: { name: file.name, kind: kindOf(file.name), id_attribute: idAttribute, text_attribute: textAttribute } })
 
 /** What a file is, by its name. */
 export const kindOf = (name: string): 'csv' | 'reqif' => (/\.(reqifz?|xml)$/i.test(name) ? 'reqif' : 'csv')
 
-export const deleteImport = (file: number) => answer(sdk.deleteImport({ path: { file } }))
 const matching = (etag: string | undefined) => (etag === undefined ? {} : { headers: { 'If-Match': etag } })
 /** etag: of the text that was read; another one is not overwritten. */
 export const writeRequirement = (id: string, text: string, etag?: string) =>
-  answer(sdk.writeRequirement({ body: { id, text }, ...matching(etag) }))
+  sdk.writeRequirement({ body: { id, text }, ...matching(etag) })
 export const deleteRequirement = (requirement: string, etag?: string) =>
-  answer(sdk.deleteRequirement({ query: { requirement }, ...matching(etag) }))
+  sdk.deleteRequirement({ query: { requirement }, ...matching(etag) })

@@ -3,30 +3,27 @@ import {
   IconApi,
   IconBell,
   IconBellFilled,
-  IconDeviceLaptop,
-  IconHistory,
-  IconKey,
   IconKeyboard,
   IconLogout,
   IconMoon,
   IconSearch,
   IconSun,
   IconUserPlus,
-  IconUsers,
 } from '@tabler/icons-react'
 import { useQuery, useQueryClient } from '@tanstack/react-query'
 import { Link, Outlet, useNavigate } from '@tanstack/react-router'
 import { clsx } from 'clsx'
 import { type ReactNode, useCallback, useEffect, useState } from 'react'
+import { pagesFor } from '../access/pages'
 import { hasRole } from '../api/access'
-import { endSession } from '../api/calls'
 import { useBaseStream } from '../api/events'
 import { sessionQuery } from '../api/queries'
 import { left, signedOut, useSession } from '../api/session'
+import { endSession } from '../client'
 import { toggleTheme, useTheme } from '../theme/useTheme'
 import { keepTyped, typedEarly } from '../jump/early'
 import { later, Part } from '../page/later'
-import { MenuDivider, MenuDropdown, MenuItem, MenuLabel } from '../overlay/later'
+import { MenuDivider, MenuItem, MenuLabel } from '../overlay/later'
 import { IconButton } from '../ui/IconButton'
 import { Modal } from '../overlay/Modal'
 import { Popup } from '../overlay/Popup'
@@ -139,8 +136,6 @@ function Session() {
   const cache = useQueryClient()
   if (!data) return null
   const initials = data.user.slice(0, 2).toUpperCase()
-  const admin = hasRole(data.role, 'admin')
-  const reviewer = hasRole(data.role, 'reviewer')
   const gone = () => {
     if (unsaved()) return signedOut() // what was typed is kept
     left()
@@ -150,45 +145,31 @@ function Session() {
   return (
     <Popup
       kind="menu"
-      position="bottom-end"
       width={220}
       button={{ className: clsx('b sec', styles.ava), 'aria-label': `Session of ${data.user}, ${initials}`, children: initials }}
     >
-      <MenuDropdown>
-        <MenuLabel>
-          Signed in as {data.user} by {{ link: 'login link', password: 'password', provider: 'single sign-on', token: 'token' }[data.via]}, role {data.role}
-        </MenuLabel>
-        <NotifyMine />
-        <MenuItem leftSection={<IconApi className="i s" />} component={Link} to="/docs">
-          API
+      <MenuLabel>
+        Signed in as {data.user} by {{ link: 'login link', password: 'password', provider: 'single sign-on', token: 'token' }[data.via]}, role {data.role}
+      </MenuLabel>
+      <NotifyMine />
+      <MenuItem leftSection={<IconApi className="i s" />} component={Link} to="/docs">
+        API
+      </MenuItem>
+      <MenuDivider />
+      {hasRole(data.role, 'admin') && (
+        <MenuItem leftSection={<IconUserPlus className="i s" />} onClick={() => void navigate({ to: '/access/users', search: { invite: true } })}>
+          Invite
         </MenuItem>
-        <MenuDivider />
-        {admin && (
-          <>
-            <MenuItem leftSection={<IconUserPlus className="i s" />} onClick={() => void navigate({ to: '/access/users', search: { invite: true } })}>
-              Invite
-            </MenuItem>
-            <MenuItem leftSection={<IconUsers className="i s" />} component={Link} to="/access/users">
-              Users
-            </MenuItem>
-          </>
-        )}
-        <MenuItem leftSection={<IconKey className="i s" />} component={Link} to="/access/tokens">
-          API tokens
+      )}
+      {pagesFor(data.role).map(({ to, name, Icon }) => (
+        <MenuItem key={to} leftSection={<Icon className="i s" />} component={Link} to={to}>
+          {name}
         </MenuItem>
-        <MenuItem leftSection={<IconDeviceLaptop className="i s" />} component={Link} to="/access/sessions">
-          Sessions
-        </MenuItem>
-        {reviewer && (
-          <MenuItem leftSection={<IconHistory className="i s" />} component={Link} to="/access/audit">
-            Audit trail
-          </MenuItem>
-        )}
-        <MenuDivider />
-        <MenuItem leftSection={<IconLogout className="i s" />} onClick={leave}>
-          Sign out
-        </MenuItem>
-      </MenuDropdown>
+      ))}
+      <MenuDivider />
+      <MenuItem leftSection={<IconLogout className="i s" />} onClick={leave}>
+        Sign out
+      </MenuItem>
     </Popup>
   )
 }

@@ -3,7 +3,6 @@
 import { useQueryClient } from '@tanstack/react-query'
 import { clsx } from 'clsx'
 import { useEffect, useLayoutEffect, useRef, useState } from 'react'
-import { answer } from '../api/calls'
 import { sessionQuery } from '../api/queries'
 import { signedIn } from '../api/session'
 import { getSession, type SessionInfo } from '../client'
@@ -11,6 +10,7 @@ import { BrandMark } from './Brand'
 import { at } from '../format/root'
 import { unsaved } from '../page/unsaved'
 import { ButtonAnchor } from '../ui/Button'
+import { inTurn } from '../ui/usePolling'
 import { cards, layout } from '../ui/styles'
 import styles from './app.module.css'
 
@@ -68,13 +68,11 @@ export function SignedOut() {
 function useReturn(): void {
   const cache = useQueryClient()
   useEffect(() => {
-    let asking = false
+    const turn = inTurn()
     const ask = async () => {
-      if (document.hidden || asking) return
-      asking = true
       try {
         const before = cache.getQueryData<SessionInfo>(sessionQuery.queryKey)
-        const session = await answer(getSession())
+        const session = await getSession()
         // What is below belongs to who has read and typed it.
         if (before && before.account !== session.account) return location.reload()
         cache.setQueryData(sessionQuery.queryKey, session)
@@ -82,11 +80,9 @@ function useReturn(): void {
         void cache.invalidateQueries({ predicate: ({ state }) => state.status === 'error' })
       } catch {
         // Not yet.
-      } finally {
-        asking = false
       }
     }
-    const come = () => void ask()
+    const come = () => document.hidden || turn(ask)
     window.addEventListener('focus', come)
     document.addEventListener('visibilitychange', come)
     return () => {

@@ -8,7 +8,6 @@ import { workersQuery } from '../api/queries'
 import type { Space, WorkerOut, Workers as Known } from '../client'
 import { count, fixed, thinned } from '../format/numbers'
 import { age, moment } from '../format/time'
-import { PopoverDropdown } from '../overlay/later'
 import { methodLook } from '../ui/methods'
 import { Popup } from '../overlay/Popup'
 import { RunLink } from '../ui/RunLink'
@@ -36,8 +35,8 @@ export function Workers() {
       kind="dialog"
       opened={opened}
       onChange={setOpened}
-      position="bottom-end"
       width={340}
+      dropdown={{ 'aria-label': 'Workers' }}
       button={{
         className: clsx(buttons.btn, styles.target, (none || full || still) && styles.none),
         // The name contains what is shown, also in narrow windows, where that is the number alone.
@@ -55,9 +54,7 @@ export function Workers() {
         ),
       }}
     >
-      <PopoverDropdown aria-label="Workers">
-        <Listed data={data} ahead={dataUpdatedAt / 1000 - data.now} onLeave={() => setOpened(false)} />
-      </PopoverDropdown>
+      <Listed data={data} ahead={dataUpdatedAt / 1000 - data.now} onLeave={() => setOpened(false)} />
     </Popup>
   )
 }

@@ -3,7 +3,7 @@ import { clsx } from 'clsx'
 import { IconDownload, IconPhoto, IconTable } from '@tabler/icons-react'
 import { type MouseEvent, type ReactNode, useState } from 'react'
 import { plain } from '../format/numbers'
-import { MenuDropdown, MenuItem } from '../overlay/later'
+import { MenuItem } from '../overlay/later'
 import { Card } from '../ui/Card'
 import { IconButton } from '../ui/IconButton'
 import { Popup } from '../overlay/Popup'
@@ -60,7 +60,6 @@ function FigureButton({ name }: { name: () => string }) {
   return (
     <Popup
       kind="menu"
-      position="bottom-end"
       width={150}
       button={{
         className: clsx(buttonsCss.iconbtn, buttonsCss.bd),
@@ -71,10 +70,8 @@ function FigureButton({ name }: { name: () => string }) {
         children: <IconPhoto className="i s" aria-hidden />,
       }}
     >
-      <MenuDropdown>
-        <MenuItem onClick={() => card && void savePng(card, name())}>PNG image</MenuItem>
-        {card && isDrawing(card) && <MenuItem onClick={() => saveSvg(card, name())}>SVG drawing</MenuItem>}
-      </MenuDropdown>
+      <MenuItem onClick={() => card && void savePng(card, name())}>PNG image</MenuItem>
+      {card && isDrawing(card) && <MenuItem onClick={() => saveSvg(card, name())}>SVG drawing</MenuItem>}
     </Popup>
   )
 }

@@ -1,6 +1,7 @@
 // Saves a chart's card as an image: PNG always, SVG if everything is drawn as SVG. Colours and fonts are those of the
 // page. The image is composed of the card's parts at their positions: canvases, drawings, lines of text.
 import { save } from '../ui/files'
+import { colour } from './draw'
 
 const SVG = 'http://www.w3.org/2000/svg'
 const MARGIN = 16
@@ -40,7 +41,7 @@ export async function savePng(card: HTMLElement, name: string): Promise<void> {
   const ctx = canvas.getContext('2d')
   if (!ctx) return
   ctx.scale(ratio, ratio)
-  ctx.fillStyle = styleOf(document.documentElement, '--surface')
+  ctx.fillStyle = colour('--surface')
   ctx.fillRect(0, 0, canvas.width, canvas.height)
   for (const source of part.querySelectorAll('canvas')) {
     const box = within(source, frame)
@@ -71,7 +72,7 @@ export function saveSvg(card: HTMLElement, name: string): void {
   const frame = part.getBoundingClientRect()
   const [width, height] = [frame.width + 2 * MARGIN, frame.height + 2 * MARGIN]
   const whole = element('svg', { xmlns: SVG, width, height, viewBox: `0 0 ${width} ${height}` })
-  whole.append(element('rect', { width, height, fill: styleOf(document.documentElement, '--surface') }))
+  whole.append(element('rect', { width, height, fill: colour('--surface') }))
   for (const source of shown(part)) {
     const box = within(source, frame)
     const copy = styled(source)
@@ -95,8 +96,6 @@ export function saveSvg(card: HTMLElement, name: string): void {
   }
   save(`${name}.svg`, new XMLSerializer().serializeToString(whole), 'image/svg+xml')
 }
-
-const styleOf = (of: Element, name: string): string => getComputedStyle(of).getPropertyValue(name).trim()
 
 function within(source: Element, frame: DOMRect): Box {
   const box = source.getBoundingClientRect()

@@ -41,8 +41,8 @@ interface CardProps {
 }
 
 export interface Drawn {
+  /** In words, for legend and tooltip too. */
   key: string
-  label: string
   colour: string
   trace: TraceData
   of: Compared
@@ -76,11 +76,11 @@ export function SeparationOverlay({ runs, className }: CardProps) {
       <div className={styles.beside}>
         <Plot spec={spec} />
         <ul className={styles.ends}>
-          {drawn.map(({ key, label, colour, trace, of }) => (
+          {drawn.map(({ key, colour, trace, of }) => (
             <li key={key}>
               <Dash dash={of.dash} colour={colour} />
               <span>
-                {label}
+                {key}
                 <small className="sec">
                   {fixed(trace.meta.closest?.value, decimals)} {of.run.unit}
                 </small>
@@ -101,7 +101,7 @@ export function drawnOf(of: Compared): Drawn[] {
     ['worst', '--c-worst', worst],
   ]
   return flights.flatMap(([name, colour, trace]) =>
-    trace ? [{ key: `${letter} ${name}`, label: `${letter} ${name}`, colour, trace, of }] : [],
+    trace ? [{ key: `${letter} ${name}`, colour, trace, of }] : [],
   )
 }
 
@@ -133,11 +133,9 @@ function separationSpec(drawn: Drawn[], runs: Compared[], window: Shown): PlotSp
     return `Criterion${further.length > 0 ? ` of ${of.join(', ')}` : ''}, ${exact(limit)} ${unit}`
   }
   return {
-    label: `Separation over time of ${drawn.map(({ label }) => label).join(', ')}`,
+    label: `Separation over time of ${drawn.map(({ key }) => key).join(', ')}`,
     x: xs,
-    lines: drawn.map(({ key, label, colour, of }, i): Line => {
-      return { key, label, colour, dash: of.dash, width: 1.8, y: linesOn(xs, curves[i] as Curve) }
-    }),
+    lines: drawn.map(({ key, colour, of }, i): Line => ({ key, label: key, colour, dash: of.dash, width: 1.8, y: linesOn(xs, curves[i] as Curve) })),
     points,
     xRange,
     yRange: [1.04 * bottom, top * 1.04 || (bottom < 0 ? 0 : 1)],

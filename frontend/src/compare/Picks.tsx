@@ -2,10 +2,10 @@
 import { Select } from '../overlay/fields'
 import { IconPlus, IconX } from '@tabler/icons-react'
 import { useQuery } from '@tanstack/react-query'
-import { Link } from '@tanstack/react-router'
 import { clsx } from 'clsx'
 import { type ReactNode, useState } from 'react'
 import { listRuns } from '../api/calls'
+import { RunLink } from '../ui/RunLink'
 import type { Column } from '../ui/Table'
 import { RunBadge } from '../ui/VerdictBadge'
 import { type Compared, type Comparison, isDone } from './data'
@@ -55,9 +55,7 @@ function Pick({ compared, onRemove }: { compared: Compared; onRemove: () => void
     <div className={clsx(cards.card, styles.cmpPick)} data-run={run.id}>
       <Letter of={letter} />
       <div className={clsx(tables.rn, layout.grow, styles.who)}>
-        <Link to="/runs/$id" params={{ id: run.id }} className="b" title={run.name}>
-          {run.name}
-        </Link>
+        <RunLink run={run.id} className="b" title={run.name}>{run.name}</RunLink>
         <small>
           <span className="mono">{run.id}</span> · {run.campaign_name}
         </small>

@@ -1,12 +1,13 @@
 // The results of the runs side by side, with the difference for two runs.
 import type { ReactNode } from 'react'
 import { independentSample } from '../api/stages'
+import { conditionsOf } from '../format/counts'
 import { atMost, confidenceText, count, decimalsBeside, exact, fixed, margin, NONE, plain, probability, signed } from '../format/numbers'
 import { Card } from '../ui/Card'
 import { Sign } from '../ui/Sign'
 import { Table } from '../ui/Table'
 import { RunBadge } from '../ui/VerdictBadge'
-import { boundOf, boundConditionsOf, type Compared, haveDifferences, unitOf } from './data'
+import { type Compared, haveDifferences, unitOf } from './data'
 import { apartColumn, foundColumns } from './Picks'
 
 interface Line {
@@ -106,8 +107,8 @@ function linesOf(runs: Compared[]): Line[] {
       name: `P(violation), ${confidences.length === 1 ? `${confidenceText(confidences[0])} ` : ''}bound`,
       unit: '',
       decimals: 0,
-      values: runs.map(boundOf),
-      notes: runs.map(boundConditionsOf),
+      values: statistics.map((sample) => sample?.upper_bound ?? null),
+      notes: runs.map(({ run }) => conditionsOf(run)),
       text: (bound) => atMost(bound),
       apart: level && confidences.length === 1 ? percent : null,
     },

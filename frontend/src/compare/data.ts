@@ -3,7 +3,6 @@ import { useQueries } from '@tanstack/react-query'
 import { asCampaign, hasScenario } from '../api/campaign'
 import { componentsQuery, evaluationsQuery, findingsQuery, runQuery, stagesQuery, traceQuery } from '../api/queries'
 import type { Catalogue, Evaluations, FindingDetail, RunDetail, StageDetail, TraceData } from '../client'
-import { conditionsOf } from '../format/counts'
 import { worstOf } from '../run/data/chosen'
 import { uncertainOf, type UncertainParameter } from '../run/data/data'
 import { type Parts, partsOf } from './matching'
@@ -83,9 +82,6 @@ export function useCompared(ids: readonly string[]): Comparison {
 /** A flight that may not be stored, which is not an error here. `traced`: whether its system flies; a simulator's trace
  * that the run's page loaded is in the cache all the same. */
 const traceOf = (id: string, name: string, traced: boolean) => ({ ...traceQuery(id, name), enabled: traced, retry: false })
-
-export const boundOf = ({ run }: Compared): number | null => run.summary?.statistics?.upper_bound ?? null
-export const boundConditionsOf = ({ run }: Compared): string => conditionsOf(run)
 
 /** The description of a parameter in the first run that has it. */
 export const parameterOf = (runs: readonly Compared[], path: string): UncertainParameter | undefined =>

@@ -1,5 +1,5 @@
 // Matches findings of several runs by their positions within common bounds.
-import type { Campaign } from '../api/campaign'
+import { type Campaign, LISTS } from '../api/campaign'
 import type { FindingDetail } from '../client'
 import type { Compared } from './data'
 
@@ -12,8 +12,6 @@ export type Searched = Pick<Compared, 'findings' | 'parameters' | 'parts'>
 type Part = { component: string; values: Map<string, string | null> }
 /** By the prefix of their paths, which are positions in a list, where another campaign may have another part. */
 export type Parts = Record<string, Part>
-
-const LISTS = ['obstacles', 'environment', 'faults'] as const
 
 export function partsOf(campaign: Campaign, paths: readonly string[]): Parts {
   const parts = LISTS.flatMap((name) =>

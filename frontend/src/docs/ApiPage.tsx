@@ -1,10 +1,11 @@
 // The API page, from the OpenAPI document: every operation with parameters, bodies and responses, and a form to try it.
+import { upperFirst } from '@mantine/hooks'
 import { useQuery } from '@tanstack/react-query'
 import { clsx } from 'clsx'
 import { getOpenApi } from '../api/calls'
 import { Contents } from '../help/HelpFrame'
 import { PageHead } from '../page/PageHead'
-import { Loading, Trouble } from '../page/Trouble'
+import { Unloaded } from '../page/Trouble'
 import { useTitle } from '../page/useTitle'
 import { ButtonAnchor } from '../ui/Button'
 import { Card } from '../ui/Card'
@@ -18,8 +19,7 @@ import styles from './docs.module.css'
 export function ApiPage() {
   useTitle('API')
   const query = useQuery({ queryKey: ['openapi'], queryFn: getOpenApi, staleTime: Number.POSITIVE_INFINITY })
-  if (query.isError && !query.data) return <Trouble error={query.error} retry={() => void query.refetch()} />
-  if (!query.data) return <Loading what="the API" title="API" failed={query.failureReason} />
+  if (!query.data) return <Unloaded query={query} what="the API" title="API" />
   return <Page document={query.data as OpenApi} />
 }
 
@@ -32,7 +32,7 @@ function Page({ document }: { document: OpenApi }) {
       <nav className={guide.toc} aria-label="Operations">
         <Contents
           of={groups.map(({ name, operations }) => ({
-            title: titled(name),
+            title: upperFirst(name),
             entries: operations.map(({ operationId, method, path }) => ({
               id: operationId,
               name: [<Verb key="verb" of={method} />, <span key="path" className={layout.cut}>{path.replace('/api/v1', '')}</span>],
@@ -59,9 +59,9 @@ function Page({ document }: { document: OpenApi }) {
           <Snippet text="clearance submit campaign.yaml --tag nightly --out artefacts/" />
         </Card>
         {groups.map((group) => (
-          <section key={group.name} aria-label={titled(group.name)}>
+          <section key={group.name} aria-label={upperFirst(group.name)}>
             <h2 className={layout.sect}>
-              {titled(group.name)} <span className="small mut">{group.description}</span>
+              {upperFirst(group.name)} <span className="small mut">{group.description}</span>
             </h2>
             <div className={layout.stack}>
               {group.operations.map((operation) => (
@@ -78,8 +78,6 @@ function Page({ document }: { document: OpenApi }) {
 const TONES: Readonly<Record<string, string>> = { get: 'run', post: 'ok', patch: 'ok', delete: 'bad' }
 
 export const Verb = ({ of }: { of: string }) => <span className={styles.verb} data-tone={TONES[of]}>{of}</span>
-
-const titled = (name: string): string => name.charAt(0).toUpperCase() + name.slice(1)
 
 export function Snippet({ text }: { text: string }) {
   return (

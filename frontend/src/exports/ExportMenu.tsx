@@ -2,10 +2,10 @@
 import { IconBraces, IconDownload, IconFileText, IconFileTypePdf, IconMatrix, IconPackage, IconPlane, IconTable } from '@tabler/icons-react'
 import { queryOptions, useMutation, useQuery } from '@tanstack/react-query'
 import { useEffect, useRef, useState } from 'react'
-import { getExports, getFile } from '../api/calls'
+import { getFile } from '../api/calls'
 import { asCampaign, caseWord } from '../api/campaign'
-import type { ExportFile, RunDetail } from '../client'
-import { MenuDivider, MenuDropdown, MenuItem, MenuLabel } from '../overlay/later'
+import { type ExportFile, listExports, type RunDetail } from '../client'
+import { MenuDivider, MenuItem, MenuLabel } from '../overlay/later'
 import { ButtonAnchor, worded } from '../ui/Button'
 import { Popup } from '../overlay/Popup'
 import { save } from '../ui/files'
@@ -18,7 +18,7 @@ import styles from './exports.module.css'
 const RECORDING = /\/exports\/flight-(\w+)\.html$/
 
 const exportsQuery = (id: string, state: string) =>
-  queryOptions({ queryKey: ['exports', id, state], queryFn: () => getExports(id) })
+  queryOptions({ queryKey: ['exports', id, state], queryFn: () => listExports({ path: { run: id } }) })
 
 export function ExportMenu({ run }: { run: RunDetail }) {
   const [opened, setOpened] = useState(false)
@@ -39,25 +39,23 @@ export function ExportMenu({ run }: { run: RunDetail }) {
         kind="menu"
         opened={opened}
         onChange={setOpened}
-        position="bottom-end"
         width={340}
+        dropdown={{ className: styles.files, ref: list }}
         button={worded(IconDownload, 'Export')}
       >
-        <MenuDropdown className={styles.files} ref={list}>
-          <MenuLabel>Files of {run.id}</MenuLabel>
-          {pdf && <PdfEntry file={pdf} />}
-          {files?.map((file) => (
-            <Entry key={file.href} file={file} />
-          ))}
-          {recording && <MenuLabel>{one === 'flight' ? 'Flight' : 'Case'} in 3D</MenuLabel>}
-          {recording && <RecordingEntries run={run.id} flight={RECORDING.exec(recording.href)?.[1] ?? 'nominal'} one={one} />}
-          {/* Not `disabled`: it holds the focus of the menu until the files are there. */}
-          {!data && <MenuItem data-disabled closeMenuOnClick={false}>{error ? error.message : 'Loading the list of files …'}</MenuItem>}
-          <MenuDivider />
-          <p className="small mut" style={{ padding: '4px 12px 8px' }}>
-            Figures: the picture button of each chart saves it as PNG or SVG.
-          </p>
-        </MenuDropdown>
+        <MenuLabel>Files of {run.id}</MenuLabel>
+        {pdf && <PdfEntry file={pdf} />}
+        {files?.map((file) => (
+          <Entry key={file.href} file={file} />
+        ))}
+        {recording && <MenuLabel>{one === 'flight' ? 'Flight' : 'Case'} in 3D</MenuLabel>}
+        {recording && <RecordingEntries run={run.id} flight={RECORDING.exec(recording.href)?.[1] ?? 'nominal'} one={one} />}
+        {/* Not `disabled`: it holds the focus of the menu until the files are there. */}
+        {!data && <MenuItem data-disabled closeMenuOnClick={false}>{error ? error.message : 'Loading the list of files …'}</MenuItem>}
+        <MenuDivider />
+        <p className="small mut" style={{ padding: '4px 12px 8px' }}>
+          Figures: the picture button of each chart saves it as PNG or SVG.
+        </p>
       </Popup>
     </>
   )

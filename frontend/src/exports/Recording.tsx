@@ -1,7 +1,7 @@
 // A flight as a recording: a link to the page that plays it, and a download. Neither needs a simulation.
 import { IconCheck, IconCopy, IconDownload, IconPackage, IconPlayerPlay } from '@tabler/icons-react'
 import { type Theme, useTheme } from '../theme/useTheme'
-import { MenuDropdown, MenuItem } from '../overlay/later'
+import { MenuItem } from '../overlay/later'
 import { worded } from '../ui/Button'
 import { Popup } from '../overlay/Popup'
 import { at } from '../format/root'
@@ -26,14 +26,11 @@ export function RecordingMenu(props: Props) {
   return (
     <Popup
       kind="menu"
-      position="bottom-end"
       width={300}
       button={worded(IconPlayerPlay, 'Recording', true)}
     >
-      <MenuDropdown>
-        <RecordingEntries {...props} />
-        {props.flight !== 'nominal' && <CapsuleEntry {...props} />}
-      </MenuDropdown>
+      <RecordingEntries {...props} />
+      {props.flight !== 'nominal' && <CapsuleEntry {...props} />}
     </Popup>
   )
 }

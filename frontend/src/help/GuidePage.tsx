@@ -1,11 +1,10 @@
 // A guide from the folder `docs`, bundled at build time.
 import { getRouteApi, Link } from '@tanstack/react-router'
-import { useEffect } from 'react'
 import { later, Part } from '../page/later'
 import { NotFound } from '../page/Trouble'
 import { useTitle } from '../page/useTitle'
 import { fragmentOf, GUIDES, parts, sectionsOf, shown } from './guides'
-import { HelpFrame } from './HelpFrame'
+import { HelpFrame, Landing } from './HelpFrame'
 import { TEXTS } from './texts'
 import { Card } from '../ui/Card'
 
@@ -21,14 +20,6 @@ const ALL = (
 )
 
 const route = getRouteApi('/help/guides/$name')
-
-/** The section that the address names is there as soon as the text is. */
-function Landing() {
-  useEffect(() => {
-    if (location.hash) document.getElementById(decodeURIComponent(location.hash.slice(1)))?.scrollIntoView()
-  }, [])
-  return null
-}
 
 export function GuidePage() {
   const { name } = route.useParams()

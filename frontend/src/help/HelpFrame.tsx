@@ -29,11 +29,6 @@ interface HelpFrameProps {
 }
 
 export function HelpFrame({ title, lede, contents, children }: HelpFrameProps) {
-  const ready = contents.length > 0
-  // The target of the fragment is rendered after the catalogue is loaded.
-  useEffect(() => {
-    if (ready && location.hash) document.getElementById(decodeURIComponent(location.hash.slice(1)))?.scrollIntoView()
-  }, [ready])
   return (
     <div className={guide.doc}>
       <nav className={guide.toc} aria-label="Help">
@@ -59,9 +54,18 @@ export function HelpFrame({ title, lede, contents, children }: HelpFrameProps) {
           <p className={clsx('sec', styles.lede)}>{lede}</p>
         </div>
         {children}
+        {contents.length > 0 && <Landing />}
       </div>
     </div>
   )
+}
+
+/** Beside what is loaded later, such as the catalogue: shows the section that the address names as soon as that is there. */
+export function Landing() {
+  useEffect(() => {
+    if (location.hash) document.getElementById(decodeURIComponent(location.hash.slice(1)))?.scrollIntoView()
+  }, [])
+  return null
 }
 
 /** The sections of a page as links. */

@@ -2,7 +2,6 @@
 import { clsx } from 'clsx'
 import { IconChevronDown } from '@tabler/icons-react'
 import type { ReactNode } from 'react'
-import { PopoverDropdown } from './later'
 import { Popup } from './Popup'
 import { buttons, fields, layout } from '../ui/styles'
 
@@ -23,6 +22,7 @@ export function Menu({ name, value, on, icon, above, children }: MenuProps) {
       position={above ? 'top-end' : 'bottom-start'}
       width={280}
       withinPortal={!above}
+      dropdown={{ 'aria-label': name }}
       button={{
         className: clsx('m nw', buttons.chip, on && buttons.on),
         children: (
@@ -37,9 +37,7 @@ export function Menu({ name, value, on, icon, above, children }: MenuProps) {
         ),
       }}
     >
-      <PopoverDropdown aria-label={name}>
-        <div className={fields.panel}>{children}</div>
-      </PopoverDropdown>
+      <div className={fields.panel}>{children}</div>
     </Popup>
   )
 }

@@ -4,16 +4,15 @@ import { Overlay } from './later'
 import type { OverlayProps } from './parts'
 import { Part } from '../page/later'
 
-interface PopupProps extends Pick<OverlayProps, 'kind' | 'position' | 'width' | 'withinPortal'> {
+interface PopupProps extends Pick<OverlayProps, 'kind' | 'position' | 'width' | 'withinPortal' | 'dropdown'> {
   button: ComponentProps<'button'> & Record<`data-${string}`, unknown>
   /** Where the content needs to know or to decide whether it is open. */
   opened?: boolean
   onChange?: (opened: boolean) => void
-  /** The dropdown. */
   children: ReactNode
 }
 
-export function Popup({ kind, button, opened: controlled, onChange, children, ...place }: PopupProps) {
+export function Popup({ kind, button, opened: controlled, onChange, position = 'bottom-end', children, ...more }: PopupProps) {
   const id = useId()
   const target = useRef<HTMLButtonElement>(null)
   const [own, setOwn] = useState(false)
@@ -24,7 +23,7 @@ export function Popup({ kind, button, opened: controlled, onChange, children, ..
     setOwn(next)
     onChange?.(next)
   }
-  const props = { kind, target, id, opened, onChange: change, ...place }
+  const props = { kind, target, id, opened, onChange: change, position, ...more }
   return (
     <>
       <button

@@ -1,5 +1,5 @@
 // The parts of Mantine that open over a page. Pages use them by `later.ts`, so that this code is loaded when one is opened.
-import { Menu, Modal, type ModalProps, Popover, type PopoverProps } from '@mantine/core'
+import { Menu, Modal, type ModalProps, Popover, type PopoverDropdownProps, type PopoverProps } from '@mantine/core'
 import { type ReactNode, type Ref, type RefObject, useDeferredValue, useImperativeHandle } from 'react'
 import { Themed } from './Themed'
 import { useReturnFocus } from './useReturnFocus'
@@ -8,13 +8,14 @@ export interface OverlayProps extends Pick<PopoverProps, 'id' | 'opened' | 'onCh
   kind: 'menu' | 'dialog'
   /** The button, which was on the page before. */
   target: RefObject<HTMLButtonElement | null>
-  /** The dropdown. */
+  /** Of the dropdown. */
+  dropdown?: Pick<PopoverDropdownProps, 'aria-label' | 'className'> & { ref?: Ref<HTMLDivElement> }
   children: ReactNode
 }
 
 // A popup is mounted closed and opened then, because the focus returns to what had it when a mounted one opened.
 
-export function Overlay({ kind, target, opened, children, ...props }: OverlayProps) {
+export function Overlay({ kind, target, opened, dropdown, children, ...props }: OverlayProps) {
   const shown = useDeferredValue(opened, false)
   const given = { opened: opened && shown, ...props }
   return (
@@ -24,14 +25,14 @@ export function Overlay({ kind, target, opened, children, ...props }: OverlayPro
           <Menu.Target>
             <Anchor of={target} />
           </Menu.Target>
-          {children}
+          <Menu.Dropdown {...dropdown}>{children}</Menu.Dropdown>
         </Menu>
       ) : (
         <Popover {...given} trapFocus returnFocus shadow="none">
           <Popover.Target>
             <Anchor of={target} />
           </Popover.Target>
-          {children}
+          <Popover.Dropdown {...dropdown}>{children}</Popover.Dropdown>
         </Popover>
       )}
     </Themed>
@@ -54,8 +55,6 @@ export function Dialog(props: ModalProps) {
   )
 }
 
-export const MenuDropdown = Menu.Dropdown
 export const MenuItem = Menu.Item
 export const MenuLabel = Menu.Label
 export const MenuDivider = Menu.Divider
-export const PopoverDropdown = Popover.Dropdown

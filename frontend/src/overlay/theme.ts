@@ -4,9 +4,6 @@ import { fields } from '../ui/styles'
 import look from '../theme/mantine.module.css'
 
 export const mantineTheme = createTheme({
-  fontFamily: '"Inter Variable", system-ui, sans-serif',
-  defaultRadius: 6,
-  cursorType: 'pointer',
   respectReducedMotion: true,
   components: {
     Input: { classNames: { input: look.input, section: look.section } },

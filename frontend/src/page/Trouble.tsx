@@ -91,19 +91,25 @@ export function Notice({ title, below, busy, actions, children }: NoticeProps) {
   )
 }
 
+interface UnloadedProps extends Pick<LoadingProps, 'what' | 'title'>, Pick<TroubleProps, 'onward' | 'below'> {
+  query: { error: Error | null; failureReason: Error | null; refetch: () => unknown }
+}
+
+/** In place of a page that has not arrived: that it is loaded, or why it cannot be. */
+export function Unloaded({ query: { error, failureReason, refetch }, what, title, onward, below }: UnloadedProps) {
+  if (error) return <Trouble error={error} retry={() => void refetch()} onward={onward} below={below} />
+  return <Loading what={what} title={title} failed={failureReason} />
+}
+
 interface LoadedProps<T> {
-  query: { data: T | undefined; error: Error | null; failureReason: Error | null; refetch: () => unknown }
+  query: UnloadedProps['query'] & { data: T | undefined }
   what: string
   children: (data: T) => ReactNode
 }
 
 /** The content of a page below its heading, once it has arrived; what was read once stays. */
-export function Loaded<T>({ query, what, children }: LoadedProps<T>) {
-  const { data, error, failureReason, refetch } = query
-  if (data !== undefined) return children(data)
-  if (error) return <Trouble error={error} retry={() => void refetch()} below />
-  return <Loading what={what} failed={failureReason} />
-}
+export const Loaded = <T,>({ query, what, children }: LoadedProps<T>) =>
+  query.data === undefined ? <Unloaded query={query} what={what} below /> : children(query.data)
 
 /** A part of a page that could not be loaded, within its card. */
 export function Failed({ error, retry, label = 'Try again' }: { error: Error; retry: () => void; label?: string }) {

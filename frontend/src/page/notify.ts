@@ -3,7 +3,7 @@
 import { useQuery } from '@tanstack/react-query'
 import { useEffect, useState } from 'react'
 import { getRun, listRuns } from '../api/calls'
-import { isLive, sessionQuery } from '../api/queries'
+import { isLive, LIVE, sessionQuery } from '../api/queries'
 import type { RunSummary } from '../client'
 import { decimalsFor, margin } from '../format/numbers'
 import { at } from '../format/root'
@@ -20,7 +20,6 @@ export interface Wanted {
 const [KEY, UNABLE] = ['notify', 'notify unable']
 const PERIOD = 5000
 const NOTHING: Wanted = { mine: false, runs: [] }
-const LIVE = ['queued', 'running', 'cancelling'] as const
 
 /** Reads the stored choice; tolerates invalid content. */
 export function readWanted(text: string | null): Wanted {

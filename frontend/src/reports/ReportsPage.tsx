@@ -3,14 +3,13 @@ import { clsx } from 'clsx'
 import { IconFileText, IconFileTypePdf } from '@tabler/icons-react'
 import { useInfiniteQuery, useMutation } from '@tanstack/react-query'
 import { Link, useNavigate, useSearch } from '@tanstack/react-router'
-import { useCallback } from 'react'
-import { getFile, listReports } from '../api/calls'
+import { getFile } from '../api/calls'
 import { paged } from '../api/queries'
-import type { Report, ReportFile } from '../client'
+import { listReports, type Report, type ReportFile } from '../client'
 import { count } from '../format/numbers'
 import { when } from '../format/time'
 import { PageHead } from '../page/PageHead'
-import { Loaded } from '../page/Trouble'
+import { Unloaded } from '../page/Trouble'
 import { useTitle } from '../page/useTitle'
 import { SignedBy } from '../signoffs/SignedBy'
 import { RunCell } from '../trends/cells'
@@ -26,19 +25,19 @@ import { layout } from '../ui/styles'
 import styles from './reports.module.css'
 
 // Sign-offs and new runs must be visible when the page is opened again.
-const reportsQuery = (q: string) => paged(['reports', q], (cursor) => listReports(q, cursor), 0)
+const reportsQuery = (q: string) => paged(['reports', q], (cursor) => listReports({ query: { q, ...(cursor ? { cursor } : {}) } }), 0)
 
 export function ReportsPage() {
   useTitle('Reports')
   const { q = '' } = useSearch({ from: '/reports' })
   const navigate = useNavigate({ from: '/reports' })
-  const search = useCallback((text: string) => void navigate({ search: { q: text || undefined }, replace: true }), [navigate])
+  const search = (text: string) => void navigate({ search: { q: text || undefined }, replace: true })
   const query = useInfiniteQuery(reportsQuery(q))
   if (!query.data)
     return (
       <>
         <PageHead title="Reports" />
-        <Loaded query={query} what="reports">{() => null}</Loaded>
+        <Unloaded query={query} what="reports" below />
       </>
     )
   const items = query.data.pages.flatMap((page) => page.items)

@@ -4,8 +4,8 @@ import { useQuery } from '@tanstack/react-query'
 import { clsx } from 'clsx'
 import { useState } from 'react'
 import { useChange } from '../api/change'
-import { contentOf, deleteImport, importsQuery } from '../api/requirements'
-import type { RequirementFileOut } from '../client'
+import { contentOf, importsQuery } from '../api/requirements'
+import { deleteImport, type RequirementFileOut } from '../client'
 import { count } from '../format/numbers'
 import { when } from '../format/time'
 import { Failed } from '../page/Trouble'
@@ -21,44 +21,40 @@ import styles from './requirements.module.css'
 export function Files({ mayChange }: { mayChange: boolean }) {
   const { data, error, refetch } = useQuery(importsQuery)
   const [leaving, setLeaving] = useState<RequirementFileOut | null>(null)
-  const remove = useChange(deleteImport, ['requirements', 'requirement-files'], () => setLeaving(null))
-  if (error && !data)
-    return (
-      <div style={{ marginTop: 'var(--gap)' }}>
-        <Card title="Imported files">
-          <Failed error={error} retry={() => void refetch()} />
-        </Card>
-      </div>
-    )
-  if (!data?.length) return null
+  const remove = useChange((file: number) => deleteImport({ path: { file } }), ['requirements', 'requirement-files'], () => setLeaving(null))
+  if (!data?.length && (data || !error)) return null
   return (
     <div style={{ marginTop: 'var(--gap)' }}>
-      <Card title="Imported files" note="Downloaded byte for byte as they were imported" flush>
-        <Table
-          stack
-          rows={data}
-          by={({ id }) => id}
-          columns={[
-            { head: 'File', tone: clsx(layout.wrapAny, styles.named), cell: ({ name }) => name },
-            { head: 'Requirements', num: true, label: 'Requirements', cell: ({ requirements }) => count(requirements) },
-            timeColumn<RequirementFileOut>(
-              'Imported',
-              ({ imported }) => imported,
-              ({ imported, imported_by }) => `${when(imported)}, by ${imported_by}`,
-            ),
-            { head: 'sha256', label: 'sha256', className: layout.hideS, cell: ({ digest }) => <Digest of={digest} /> },
-            buttonColumn<RequirementFileOut>('Actions', (file) => (
-              <span className={clsx(styles.fileActs, 'nw')}>
-                <ButtonAnchor small icon={IconDownload} href={contentOf(file)} download aria-label={`Download ${file.name}`} />
-                {mayChange && (
-                  <Button small danger aria-label={`Delete ${file.name} …`} onClick={() => setLeaving(file)}>
-                    Delete …
-                  </Button>
-                )}
-              </span>
-            )),
-          ]}
-        />
+      <Card title="Imported files" note={data && 'Downloaded byte for byte as they were imported'} flush={data !== undefined}>
+        {data ? (
+          <Table
+            stack
+            rows={data}
+            by={({ id }) => id}
+            columns={[
+              { head: 'File', tone: clsx(layout.wrapAny, styles.named), cell: ({ name }) => name },
+              { head: 'Requirements', num: true, label: 'Requirements', cell: ({ requirements }) => count(requirements) },
+              timeColumn<RequirementFileOut>(
+                'Imported',
+                ({ imported }) => imported,
+                ({ imported, imported_by }) => `${when(imported)}, by ${imported_by}`,
+              ),
+              { head: 'sha256', label: 'sha256', className: layout.hideS, cell: ({ digest }) => <Digest of={digest} /> },
+              buttonColumn<RequirementFileOut>('Actions', (file) => (
+                <span className={clsx(styles.fileActs, 'nw')}>
+                  <ButtonAnchor small icon={IconDownload} href={contentOf(file)} download aria-label={`Download ${file.name}`} />
+                  {mayChange && (
+                    <Button small danger aria-label={`Delete ${file.name} …`} onClick={() => setLeaving(file)}>
+                      Delete …
+                    </Button>
+                  )}
+                </span>
+              )),
+            ]}
+          />
+        ) : (
+          error && <Failed error={error} retry={() => void refetch()} />
+        )}
       </Card>
       <Modal opened={leaving !== null} onClose={() => setLeaving(null)} title="Delete a file of requirements">
         {leaving && (

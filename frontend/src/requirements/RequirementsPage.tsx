@@ -2,16 +2,16 @@
 import { IconDownload, IconPlus, IconUpload } from '@tabler/icons-react'
 import { useInfiniteQuery, useQuery } from '@tanstack/react-query'
 import { Link, useNavigate, useSearch } from '@tanstack/react-router'
-import { useCallback, useState } from 'react'
+import { useState } from 'react'
 import { hasRole } from '../api/access'
 import { isLive, sessionQuery } from '../api/queries'
 import { EXPORTS, requirementsQuery } from '../api/requirements'
 import type { RequirementRow } from '../client'
 import { count } from '../format/numbers'
 import { PageHead } from '../page/PageHead'
-import { Loaded } from '../page/Trouble'
+import { Unloaded } from '../page/Trouble'
 import { useTitle } from '../page/useTitle'
-import { MenuDropdown, MenuItem } from '../overlay/later'
+import { MenuItem } from '../overlay/later'
 import { Button, TextButton, worded } from '../ui/Button'
 import { ShowMore } from '../ui/ShowMore'
 import { Card } from '../ui/Card'
@@ -34,10 +34,7 @@ export function RequirementsPage() {
   useTitle('Requirements')
   const { q = '', status } = useSearch({ from: '/requirements' })
   const navigate = useNavigate({ from: '/requirements' })
-  const search = useCallback(
-    (text: string) => void navigate({ search: (old) => ({ ...old, q: text || undefined }), replace: true }),
-    [navigate],
-  )
+  const search = (text: string) => void navigate({ search: (old) => ({ ...old, q: text || undefined }), replace: true })
   const only = (next: Status | undefined) => void navigate({ search: (old) => ({ ...old, status: next }), replace: true })
   const [dialog, setDialog] = useState<Dialog>(null)
   const query = useInfiniteQuery(requirementsQuery(q))
@@ -49,7 +46,7 @@ export function RequirementsPage() {
     return (
       <>
         <PageHead title="Requirements" />
-        <Loaded query={query} what="requirements">{() => null}</Loaded>
+        <Unloaded query={query} what="requirements" below />
       </>
     )
   const total = query.data.pages[0]?.total ?? items.length
@@ -128,17 +125,14 @@ function ExportFiles({ disabled }: { disabled: boolean }) {
   return (
     <Popup
       kind="menu"
-      position="bottom-end"
       width={320}
       button={{ ...worded(IconDownload, 'Export'), disabled }}
     >
-      <MenuDropdown>
-        {EXPORTS.map(({ href, title, text }) => (
-          <MenuItem key={href} component="a" href={href} download>
-            <EntryLines title={title}>{text}</EntryLines>
-          </MenuItem>
-        ))}
-      </MenuDropdown>
+      {EXPORTS.map(({ href, title, text }) => (
+        <MenuItem key={href} component="a" href={href} download>
+          <EntryLines title={title}>{text}</EntryLines>
+        </MenuItem>
+      ))}
     </Popup>
   )
 }

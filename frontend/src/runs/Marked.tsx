@@ -2,12 +2,12 @@
 import { IconGitCompare, IconPinned, IconPlayerStop, IconX } from '@tabler/icons-react'
 import { useMutation, useQueryClient } from '@tanstack/react-query'
 import { useState } from 'react'
-import { cancelRuns, editRun } from '../api/calls'
+import { editRun } from '../api/calls'
 import { useChange } from '../api/change'
 import { putRun } from '../api/events'
 import { useBarredFromOwn } from '../api/may'
 import { isLive } from '../api/queries'
-import type { RunSummary } from '../client'
+import { cancelRuns, type RunSummary } from '../client'
 import { MOST, olderFirst } from '../compare/search'
 import { count } from '../format/numbers'
 import { plural, RemoveMarked, RunNames } from '../run/header/Removal'
@@ -55,7 +55,7 @@ function CancelMarked({ live }: { live: RunSummary[] }) {
   const [asking, setAsking] = useState(false)
   const cache = useQueryClient()
   const cancel = useMutation({
-    mutationFn: () => cancelRuns(live.map((run) => run.id)),
+    mutationFn: () => cancelRuns({ body: { runs: live.map((run) => run.id) } }),
     onSuccess: (summaries) => {
       for (const summary of summaries) putRun(cache, summary)
       setAsking(false)

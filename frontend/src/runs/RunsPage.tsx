@@ -8,7 +8,7 @@ import { useStreamStatus } from '../api/events'
 import { refreshRuns } from '../api/lists'
 import { runsQuery } from '../api/queries'
 import { PageHead } from '../page/PageHead'
-import { Loading, Trouble } from '../page/Trouble'
+import { Unloaded } from '../page/Trouble'
 import { useTitle } from '../page/useTitle'
 import { sortOf, statedOf } from './columns'
 import { Filters } from './Filters'
@@ -44,8 +44,7 @@ export function RunsPage() {
     [],
   )
 
-  if (query.isPending) return <Loading what="runs" title="Runs" failed={query.failureReason} />
-  if (query.isError && !query.data) return <Trouble error={query.error} retry={() => void query.refetch()} onward={false} />
+  if (!query.data) return <Unloaded query={query} what="runs" title="Runs" onward={false} />
   const counts = query.data.pages[0]?.counts ?? {}
   const none = runs.length === 0 && !isNarrowed(search) && !counts.removed
   const selected = runs.filter((run) => marked.has(run.id))

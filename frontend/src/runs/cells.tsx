@@ -1,10 +1,10 @@
 // Parts of the cells of the run list.
 import { clsx } from 'clsx'
 import { IconPinned } from '@tabler/icons-react'
-import { Link } from '@tanstack/react-router'
 import type { RunSummary } from '../client'
 import { decimalsFor, NONE, short } from '../format/numbers'
 import { moment, when } from '../format/time'
+import { RunLink } from '../ui/RunLink'
 import { layout, tables } from '../ui/styles'
 import styles from './runs.module.css'
 
@@ -22,9 +22,7 @@ export function RunName({ run, asides }: { run: RunSummary; asides: readonly str
     <span className={clsx(tables.rn, styles.rn)}>
       <span className={layout.cut}>
         {run.pinned && <IconPinned className="i s mut" aria-label="Pinned" />}{' '}
-        <Link to="/runs/$id" params={{ id: run.id }} title={run.name}>
-          {run.name}
-        </Link>
+        <RunLink run={run.id} title={run.name}>{run.name}</RunLink>
       </span>
       <small className={layout.cut}>
         {run.id}

@@ -1,5 +1,6 @@
 // Who signed, with the standing of each sign-off: in the lists of requirements and of reports.
 import { IconAlertTriangle, IconCircleX, IconRepeat, IconSignature } from '@tabler/icons-react'
+import { capital } from '../api/problems'
 import type { Signoff } from '../client'
 import { moment } from '../format/time'
 import { tables } from '../ui/styles'
@@ -13,9 +14,6 @@ export const STANDINGS: Readonly<Record<Standing, { word: string; tone: 'ok-t' |
   'of other results': { word: 'Results have changed', tone: 'bad-t', icon: IconCircleX },
   withdrawn: { word: 'Withdrawn', tone: 'bad-t', icon: IconCircleX },
 }
-
-/** Unless it begins with a name, such as that of a file. */
-const capital = (clause: string): string => (/^[a-z]+[ ,:;]/.test(clause) ? clause.charAt(0).toUpperCase() + clause.slice(1) : clause)
 
 /** The standing as a sentence, below the word of the standing, which is not repeated. */
 export const detailOf = ({ sentence }: Signoff): string => capital(sentence.replace(/^(suspect:|withdrawn) /, ''))

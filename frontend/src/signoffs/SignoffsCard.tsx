@@ -3,11 +3,10 @@ import { clsx } from 'clsx'
 import { IconSignature } from '@tabler/icons-react'
 import { queryOptions, useQuery } from '@tanstack/react-query'
 import { useState } from 'react'
-import { getSignoffs, signOff, withdrawSignoff } from '../api/calls'
 import { useChange } from '../api/change'
 import { useBarredFromOwn } from '../api/may'
 import { sessionQuery } from '../api/queries'
-import type { RunDetail, Signoff, Signoffs } from '../client'
+import { listSignoffs, type RunDetail, type Signoff, type Signoffs, signOff, withdrawSignoff } from '../client'
 import { launchedBy } from '../format/people'
 import { moment } from '../format/time'
 import { Failed } from '../page/Trouble'
@@ -26,7 +25,7 @@ import styles from './signoffs.module.css'
 const sentence = (clause: string) => `${clause.charAt(0).toUpperCase()}${clause.slice(1)}.`
 
 const signoffsQuery = (run: string) =>
-  queryOptions({ queryKey: ['signoffs', run], queryFn: () => getSignoffs(run), staleTime: 5_000 })
+  queryOptions({ queryKey: ['signoffs', run], queryFn: () => listSignoffs({ path: { run } }), staleTime: 5_000 })
 
 export function SignoffsCard({ run }: { run: RunDetail }) {
   const { data, error, refetch } = useQuery(signoffsQuery(run.id))
@@ -194,7 +193,7 @@ export function SignForm({ run, seen, onDone }: SignFormProps) {
   const other = digest !== seen.digest || JSON.stringify([texts, against]) !== JSON.stringify([seen.texts, seen.against])
   const contradicted = Object.keys(against).length > 0
   const sign = useChange(
-    () => signOff(run.id, { ...(account === null && { name: name.trim() }), role: role.trim(), comment: comment.trim(), digest, texts, against }),
+    () => signOff({ path: { run: run.id }, body: { ...(account === null && { name: name.trim() }), role: role.trim(), comment: comment.trim(), digest, texts, against } }),
     ['signoffs'],
     onDone,
   )
@@ -268,7 +267,7 @@ function Texts({ of }: { of: Signoffs['texts'] }) {
 
 function WithdrawForm({ run, signoff, onDone }: { run: string; signoff: Signoff; onDone: () => void }) {
   const [reason, setReason] = useState('')
-  const withdraw = useChange(() => withdrawSignoff(run, signoff.id, reason.trim()), ['signoffs'], onDone)
+  const withdraw = useChange(() => withdrawSignoff({ path: { run, signoff: signoff.id }, body: { reason: reason.trim() } }), ['signoffs'], onDone)
   return (
     <Form sent={withdraw} onSend={() => withdraw.mutate()} send="Withdraw" leave="Keep it" onLeave={onDone} danger off={!reason.trim()}>
       <p className="sec">

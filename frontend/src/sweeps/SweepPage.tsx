@@ -4,18 +4,17 @@ import { IconBan, IconDownload } from '@tabler/icons-react'
 import { queryOptions, useMutation, useQuery, useQueryClient } from '@tanstack/react-query'
 import { useParams } from '@tanstack/react-router'
 import { useState } from 'react'
-import { cancelSweep, getSweep } from '../api/calls'
 import { useBarredFromOwn } from '../api/may'
 import { ChartCard } from '../charts/ChartCard'
 import { type At, sampleOf } from '../charts/outcomes'
 import { OutcomesChart } from '../charts/OutcomesChart'
-import type { SweepDetail } from '../client'
+import { cancelSweep, getSweep, type SweepDetail } from '../client'
 import { field, plain } from '../format/numbers'
 import { launchedBy } from '../format/people'
 import { moment } from '../format/time'
 import { ofUnit, unitText } from '../format/units'
 import { PageHead } from '../page/PageHead'
-import { Loading, Trouble } from '../page/Trouble'
+import { Unloaded } from '../page/Trouble'
 import { useTitle } from '../page/useTitle'
 import { boundOf, CodeCell, DateCell, marginOf, OutcomeBadge, RunCell } from '../trends/cells'
 import { Button, ButtonAnchor, ButtonLink } from '../ui/Button'
@@ -27,15 +26,14 @@ import { activeOf, statementOf } from './states'
 import { at } from '../format/root'
 import { cards, layout } from '../ui/styles'
 
-const sweepQuery = (id: string) => queryOptions({ queryKey: ['sweep', id], queryFn: () => getSweep(id) })
+const sweepQuery = (id: string) => queryOptions({ queryKey: ['sweep', id], queryFn: () => getSweep({ path: { sweep: id } }) })
 
 export function SweepPage() {
   const { id } = useParams({ from: '/sweeps/$id' })
   const query = useQuery(sweepQuery(id))
   useTitle(query.data ? `${id} ${query.data.name}` : id)
   usePolling(() => query.refetch(), 2000, query.data !== undefined && activeOf(query.data.states) > 0)
-  if (query.isError && !query.data) return <Trouble error={query.error} retry={() => void query.refetch()} />
-  if (!query.data) return <Loading what={id} failed={query.failureReason} />
+  if (!query.data) return <Unloaded query={query} what={id} />
   return <Shown sweep={query.data} />
 }
 
@@ -126,7 +124,7 @@ function Cancel({ sweep }: { sweep: SweepDetail }) {
   const [sure, setSure] = useState(false)
   const cache = useQueryClient()
   const cancel = useMutation({
-    mutationFn: () => cancelSweep(sweep.id),
+    mutationFn: () => cancelSweep({ path: { sweep: sweep.id } }),
     onSuccess: (after) => {
       cache.setQueryData(sweepQuery(sweep.id).queryKey, after)
       void cache.invalidateQueries({ queryKey: ['runs'] })

@@ -2,12 +2,12 @@
 import { IconPlus } from '@tabler/icons-react'
 import { queryOptions, useQuery } from '@tanstack/react-query'
 import { Link } from '@tanstack/react-router'
-import { listSweeps } from '../api/calls'
+import { listSweeps } from '../client'
 import { count } from '../format/numbers'
 import { launchedBy } from '../format/people'
 import { moment, when } from '../format/time'
 import { PageHead } from '../page/PageHead'
-import { Loading, Trouble } from '../page/Trouble'
+import { Unloaded } from '../page/Trouble'
 import { useTitle } from '../page/useTitle'
 import { ButtonLink } from '../ui/Button'
 import { Card } from '../ui/Card'
@@ -19,9 +19,9 @@ const sweepsQuery = queryOptions({ queryKey: ['sweeps'], queryFn: () => listSwee
 
 export function SweepsPage() {
   useTitle('Sweeps')
-  const { data, error, isError, failureReason, refetch } = useQuery(sweepsQuery)
-  if (isError && !data) return <Trouble error={error} retry={() => void refetch()} />
-  if (!data) return <Loading what="sweeps" title="Sweeps" failed={failureReason} />
+  const query = useQuery(sweepsQuery)
+  if (!query.data) return <Unloaded query={query} what="sweeps" title="Sweeps" />
+  const { data } = query
   return (
     <>
       <PageHead title="Sweeps">

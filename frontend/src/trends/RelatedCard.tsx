@@ -1,8 +1,7 @@
 // Other runs with the same input as a run, and those that differ in one thing, with links to compare.
 import { IconArrowsDiff, IconChartDots } from '@tabler/icons-react'
 import { queryOptions, useQuery } from '@tanstack/react-query'
-import { getRelated } from '../api/calls'
-import type { RelatedRun, RelatedRuns, RunDetail } from '../client'
+import { listRelated, type RelatedRun, type RelatedRuns, type RunDetail } from '../client'
 import { count } from '../format/numbers'
 import { Failed } from '../page/Trouble'
 import { ButtonLink } from '../ui/Button'
@@ -14,7 +13,7 @@ import { differenceOf } from './code'
 import { layout } from '../ui/styles'
 
 const relatedQuery = (run: string, state: string) =>
-  queryOptions({ queryKey: ['related', run, state], queryFn: () => getRelated(run) })
+  queryOptions({ queryKey: ['related', run, state], queryFn: () => listRelated({ path: { run } }) })
 
 export function RelatedCard({ run }: { run: RunDetail }) {
   const [card, near] = useNearOrPrint<HTMLElement>()

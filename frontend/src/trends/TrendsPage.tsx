@@ -2,15 +2,14 @@
 import { queryOptions, useQuery } from '@tanstack/react-query'
 import { Link, useNavigate, useSearch } from '@tanstack/react-router'
 import { useMemo } from 'react'
-import { getTrend } from '../api/calls'
 import { facetsQuery, isLive } from '../api/queries'
 import { ChartCard } from '../charts/ChartCard'
 import { OutcomesChart } from '../charts/OutcomesChart'
-import type { Trend, TrendRun } from '../client'
+import { getTrend, type Trend, type TrendRun } from '../client'
 import { count } from '../format/numbers'
 import { rfc3339 } from '../format/time'
 import { PageHead } from '../page/PageHead'
-import { Loading, Trouble } from '../page/Trouble'
+import { Unloaded } from '../page/Trouble'
 import { useTitle } from '../page/useTitle'
 import { ButtonLink } from '../ui/Button'
 import { Card, Seg } from '../ui/Card'
@@ -29,7 +28,7 @@ import styles from './trends.module.css'
 const trendQuery = ({ campaign, name, label }: TrendSearch) =>
   queryOptions({
     queryKey: ['trend', campaign, name, label],
-    queryFn: () => getTrend({ campaign, name, label }),
+    queryFn: () => getTrend({ query: { campaign, name, label } }),
     // While other labels are chosen the page stays, and with it the menu.
     placeholderData: (before: Trend | undefined, query) =>
       query?.queryKey[1] === campaign && query?.queryKey[2] === name ? before : undefined,
@@ -42,28 +41,27 @@ export function TrendsPage() {
   useTitle(query.data ? `Trend of ${query.data.name}` : 'Trends')
   usePolling(() => query.refetch(), 5000, query.data?.runs.some(isLive) ?? false)
   if (!search.campaign && !search.name) return <Campaigns />
-  if (query.isError && !query.data) return <Trouble error={query.error} retry={() => void query.refetch()} />
-  if (!query.data) return <Loading what="the trend" title="Trends" failed={query.failureReason} />
+  if (!query.data) return <Unloaded query={query} what="the trend" title="Trends" />
   return <Shown trend={query.data} />
 }
 
 /** Without a campaign in the address: a choice of those that have runs. */
 function Campaigns() {
-  const { data, error, failureReason, refetch } = useQuery(facetsQuery)
-  if (error && !data) return <Trouble error={error} retry={() => void refetch()} />
-  if (!data) return <Loading what="the campaigns" title="Trends" failed={failureReason} />
+  const query = useQuery(facetsQuery)
+  if (!query.data) return <Unloaded query={query} what="the campaigns" title="Trends" />
+  const { campaigns } = query.data
   return (
     <>
       <PageHead title="Trends" />
-      <Card title="Campaigns" note={data.campaigns.length > 0 && "By name, those with the most runs first"} flush={data.campaigns.length > 0}>
-        {data.campaigns.length === 0 && (
+      <Card title="Campaigns" note={campaigns.length > 0 && "By name, those with the most runs first"} flush={campaigns.length > 0}>
+        {campaigns.length === 0 && (
           <p className="sec">
             There are no runs yet. <Link to="/launch">Launch one</Link>.
           </p>
         )}
-        {data.campaigns.length > 0 && (
+        {campaigns.length > 0 && (
           <Table
-            rows={data.campaigns}
+            rows={campaigns}
             columns={[
               {
                 head: 'Campaign',

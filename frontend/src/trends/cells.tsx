@@ -1,11 +1,11 @@
 // Cells that the tables of outcomes share.
-import { Link } from '@tanstack/react-router'
 import type { Outcome } from '../client'
 import { boundText } from '../format/counts'
 import { decimalsFor, margin, NONE } from '../format/numbers'
 import { rfc3339, when } from '../format/time'
 import { unreadOf } from './code'
 import { Digest } from '../ui/Digests'
+import { RunLink } from '../ui/RunLink'
 import type { Column } from '../ui/Table'
 import { RunBadge } from '../ui/VerdictBadge'
 import { tables } from '../ui/styles'
@@ -27,9 +27,7 @@ export const boundOf = (outcome: Outcome | null): string =>
 export function RunCell({ run, name, campaign = name }: { run: string; name?: string; campaign?: string }) {
   return (
     <span className={tables.rn}>
-      <Link to="/runs/$id" params={{ id: run }}>
-        {name ?? run}
-      </Link>
+      <RunLink run={run}>{name}</RunLink>
       {name && <small>{campaign === name ? run : `${run} · ${campaign}`}</small>}
     </span>
   )

@@ -1,8 +1,8 @@
-// The number of a run, which leads to its page.
+// The number or the name of a run, which leads to its page.
 import { Link } from '@tanstack/react-router'
 
-export const RunLink = ({ run, ...rest }: { run: string; className?: string; onClick?: () => void }) => (
+export const RunLink = ({ run, children = run, ...rest }: { run: string; className?: string; title?: string; onClick?: () => void; children?: string }) => (
   <Link to="/runs/$id" params={{ id: run }} {...rest}>
-    {run}
+    {children}
   </Link>
 )

@@ -1,7 +1,7 @@
 // A search box for runs: what is typed is reported after a short pause.
 import { clsx } from 'clsx'
 import { IconSearch } from '@tabler/icons-react'
-import { useEffect, useRef, useState } from 'react'
+import { useEffect, useEffectEvent, useRef, useState } from 'react'
 import { useHotkeys } from './useHotkeys'
 import { buttons, fields } from './styles'
 
@@ -19,6 +19,7 @@ export function SearchBox({ label, value, hint = 'Name, number, tag, user', begi
   const input = useRef<HTMLInputElement>(null)
   const [text, setText] = useState(value)
   const sent = useRef(value)
+  const report = useEffectEvent(onChange)
   useHotkeys({ '/': () => input.current?.focus() })
   useEffect(() => {
     if (begin) input.current?.focus()
@@ -36,10 +37,10 @@ export function SearchBox({ label, value, hint = 'Name, number, tag, user', begi
     if (text === sent.current) return
     const timer = setTimeout(() => {
       sent.current = text
-      onChange(text.trim())
+      report(text.trim())
     }, 250)
     return () => clearTimeout(timer)
-  }, [text, onChange])
+  }, [text])
 
   return (
     <label className={clsx(fields.inp, fields.search)}>

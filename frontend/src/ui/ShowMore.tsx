@@ -5,12 +5,13 @@ import { Button } from './Button'
 interface ShowMoreProps {
   query: { isFetchingNextPage: boolean; fetchNextPage: () => unknown }
   total: number
+  words?: string
 }
 
-export function ShowMore({ query, total }: ShowMoreProps) {
+export function ShowMore({ query, total, words = `Show more of ${count(total)}` }: ShowMoreProps) {
   return (
     <Button small disabled={query.isFetchingNextPage} onClick={() => void query.fetchNextPage()}>
-      {query.isFetchingNextPage ? 'Loading …' : `Show more of ${count(total)}`}
+      {query.isFetchingNextPage ? 'Loading …' : words}
     </Button>
   )
 }

@@ -1,5 +1,6 @@
 // The colours and marker of every search method, from the catalogue. Those of the shipped methods are built in; a loaded
 // catalogue adds those of other packages. Each method has a CSS variable of its own.
+import { upperFirst } from '@mantine/hooks'
 import type { Catalogue, MethodEntry } from '../client'
 import shipped from '../generated/methods.json'
 import { storeOf } from './store'
@@ -29,16 +30,12 @@ const lookOf = ({ name, title, look }: Declared): MethodLook => ({
   short: look?.short || title,
 })
 
-const sentence = (name: string): string => {
-  const words = name.replaceAll('_', ' ')
-  return words.charAt(0).toUpperCase() + words.slice(1)
-}
-
 const lookupIn =
   (known: ReadonlyMap<string, MethodLook>): Lookup =>
   (name) => {
     if (name && !current.has(name)) missed(name)
-    return known.get(name ?? '') ?? { ...NO_LOOK, title: sentence(name ?? ''), short: sentence(name ?? '') }
+    const title = upperFirst((name ?? '').replaceAll('_', ' '))
+    return known.get(name ?? '') ?? { ...NO_LOOK, title, short: title }
   }
 
 const byName = (methods: readonly Declared[]) =>

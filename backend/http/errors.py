@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import http
 import operator
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import partial
 from typing import Annotated, Any, NamedTuple, TypeVar
 
@@ -221,6 +221,19 @@ def invalid(error: CampaignError) -> RefusedError:
     return RefusedError("invalid-campaign", "; ".join(map(str, error.problems)), error.problems)
 
 
+def mismatch(found: Sequence[Problem], count: int = 0) -> RefusedError:
+    """422 for a request that the API does not describe; count: how many problems it has, if these are the first."""
+    more = [Problem("", "", f"and {count - len(found)} more problems")] if count > len(found) else []
+    errors = [*found, *more]
+    return RefusedError(
+        "invalid-request", f"the request does not match the API description: {'; '.join(map(str, errors))}", errors
+    )
+
+
+def foreign_cursor(cursor: str) -> RefusedError:
+    return RefusedError("bad-cursor", f"the cursor {cursor[:40]!r} is not one of this list: begin without one")
+
+
 def no_temporary_file(error: Exception) -> RefusedError:
     """503 for a file that is made next to the database before it is sent."""
     detail = f"no temporary file can be written ({worded(error)}): an administrator must free space, or set TMPDIR"
@@ -282,10 +295,7 @@ def _http(error: HTTPException, method: str) -> RefusedError:
 def _invalid(error: RequestValidationError, _: str) -> RefusedError:
     found = error.errors()
     errors = [problem_of(e, e["loc"][1:] if e["loc"][0] in _PARTS else e["loc"]) for e in found[:MOST]]
-    if len(found) > MOST:
-        errors.append(Problem("", "", f"and {len(found) - MOST} more problems"))
-    detail = "the request does not match the API description: " + "; ".join(map(str, errors))
-    return RefusedError("invalid-request", detail, errors)
+    return mismatch(errors, len(found))
 
 
 _REFUSALS: dict[type[Exception], Callable[[Any, str], RefusedError]] = {

@@ -14,7 +14,7 @@ from fastapi.dependencies.utils import get_flat_params
 from fastapi.params import Query
 from fastapi.routing import APIRoute
 
-from backend.http.errors import RefusedError
+from backend.http.errors import mismatch
 from campaigns import Problem
 from campaigns.asked.problem import LONGEST, MOST
 
@@ -35,10 +35,7 @@ async def _known(request: Request) -> None:
     names = _names(request.scope["route"])
     if unknown := [(name, value) for name, value in request.query_params.multi_items() if name not in names]:
         errors = [Problem(name[:LONGEST], value[:LONGEST], _advice(name, names)) for name, value in unknown[:MOST]]
-        if len(unknown) > MOST:
-            errors.append(Problem("", "", f"and {len(unknown) - MOST} more problems"))
-        detail = "the request does not match the API description: " + "; ".join(map(str, errors))
-        raise RefusedError("invalid-request", detail, errors)
+        raise mismatch(errors, len(unknown))
 
 
 KNOWN = [Depends(_known)]

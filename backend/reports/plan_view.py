@@ -43,7 +43,7 @@ def plan_view(cases: Sequence[Case], of: Quantity) -> Markup | None:
     axes = _scaled(places)
     axes.frame(view.across if view else f"East ({axis[0]}), m", 8)
     _grid(axes)
-    _obstacles(axes, cases[-1], axis, of)
+    _obstacles(axes, cases[-1], axis)
     _outlines(axes, cases[-1])
     for case, track in zip(cases, tracks, strict=True):
         axes.line(track, case.colour, 1.8, case.dash)
@@ -105,7 +105,7 @@ def _grid(axes: Axes) -> None:
         axes.rule(axes.x(tick), axes.top, axes.x(tick), axes.height - axes.bottom, plot.GRID)
 
 
-def _obstacles(axes: Axes, case: Case, axis: tuple[str, str], of: Quantity) -> None:
+def _obstacles(axes: Axes, case: Case, axis: tuple[str, str]) -> None:
     scale = abs(axes.x(1.0) - axes.x(0.0))
     for i, obstacle in enumerate(case.head.obstacles):
         if obstacle.moving:

@@ -47,7 +47,6 @@ def uncertain(record: Record) -> list[Row]:
             "low": numbers.plain(low, digits),
             "high": numbers.plain(high, digits),
             "worst": numbers.plain(value, digits),
-            "at": "" if worst is None else worst.at_bounds.get(path, ""),
             "distribution": _distribution(parameter),
             "within": figures.within(limits[1], limits[2], limits[0], value) if limits else "",
         })  # fmt: skip

@@ -153,8 +153,6 @@ def _context(record: Record) -> dict[str, object]:
         "origin": _origin(record),
         "w": words,
         "n": numbers,
-        "paragraphs": words.paragraphs,
-        "flowed": words.flowed,
     }
 
 

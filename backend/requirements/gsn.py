@@ -10,12 +10,12 @@ from __future__ import annotations
 import hashlib
 import re
 from collections.abc import Mapping, Sequence
-from datetime import UTC, datetime
 from typing import Any
 
 import yaml
 
 from backend.requirements.schemas import RequirementRow, RequirementRun
+from backend.requirements.sheet import stamp
 from backend.runs.violations import CLOSER
 from backend.signoffs.schemas import signed_by
 from campaigns.asked.reading import Dumper
@@ -50,7 +50,7 @@ def argument(
     nodes: Nodes = {}
     names = _names([row.id for row in rows])
     goals = [_goal(nodes, names[row.id], row, claims, address) for row in rows]
-    when = datetime.fromtimestamp(at, UTC).strftime("%Y-%m-%dT%H:%M:%SZ")
+    when = stamp(at)
     met = sum(row.status == "met" for row in rows)
     top: Element = {"text": "The requirements are met, as far as the searches of the runs below can show"}
     top["status"] = "met" if rows and met == len(rows) else "not met"

@@ -17,7 +17,7 @@ from backend.db.digest import EVIDENCE
 from backend.db.engine import chunks
 from backend.db.sweeps import in_sweep
 from backend.db.tables import CampaignRow, Requirement, RequirementFile, Run, RunRequirement
-from backend.http.errors import RefusedError
+from backend.http.errors import foreign_cursor
 from backend.http.matches import tag
 from backend.http.schema import unstorable_text
 from backend.requirements import against
@@ -141,8 +141,7 @@ def _read(cursor: str) -> str:
             raise ValueError(text)
         return text
     except ValueError:
-        detail = f"the cursor {cursor[:40]!r} is not one of this list: begin without one"
-        raise RefusedError("bad-cursor", detail) from None
+        raise foreign_cursor(cursor) from None
 
 
 def _edges(reader: sa.Connection, ids: Sequence[str]) -> dict[str, list[Edge]]:

@@ -61,16 +61,15 @@ def matrix(rows: Iterable[RequirementRow]) -> Iterator[bytes]:
 
 
 def _run(run: RequirementRun) -> list[object]:
-    numbers = (run.threshold, run.worst_cost, run.margin, run.upper_bound)
-    signed = "; ".join(f"{signed_by(s)}, {_date(s.created)}, {s.sentence}" for s in run.signoffs)
+    signed = "; ".join(f"{signed_by(s)}, {stamp(s.created)}, {s.sentence}" for s in run.signoffs)
     return [
         run.id, run.part, run.campaign_name, headline(run.verdict or run.state, run, None, run.against),
         run.quantity, run.unit,
-        *("" if number is None else repr(number) for number in numbers), run.campaign_digest, run.code or "",
+        run.threshold, run.worst_cost, run.margin, run.upper_bound, run.campaign_digest, run.code or "",
         run.evidence_digest or "",
-        _date(run.finished or run.created), "yes" if run.signed else "no", signed, "yes" if run.suspect else "no",
+        stamp(run.finished or run.created), "yes" if run.signed else "no", signed, "yes" if run.suspect else "no",
         "; ".join(run.changes), run.role, run.bound_source or "", run.policy or "",
-        *("" if number is None else repr(number) for number in (run.excluded_samples, run.excluded_fraction)),
+        run.excluded_samples, run.excluded_fraction,
     ]  # fmt: skip
 
 
@@ -78,5 +77,5 @@ def _free(head: str, heads: Sequence[str]) -> str:
     return head if head not in heads else _free(f"{head} (file)", heads)
 
 
-def _date(at: float) -> str:
+def stamp(at: float) -> str:
     return datetime.fromtimestamp(at, UTC).strftime("%Y-%m-%dT%H:%M:%SZ")

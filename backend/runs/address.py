@@ -11,7 +11,7 @@ from typing import Annotated
 from fastapi import Depends, Query
 from pydantic import ValidationError
 
-from backend.http.errors import RefusedError, problem_of
+from backend.http.errors import mismatch, problem_of
 from backend.runs.requests import RunSubmit
 from campaigns import CampaignError, Problem
 from campaigns.labels import MOST, parsed
@@ -64,7 +64,7 @@ def address_parts(
     try:
         labels = parsed(label) if label else None
     except ValueError as error:
-        raise _refused([Problem("label", "", f"{error}")]) from None
+        raise mismatch([Problem("label", "", f"{error}")]) from None
     query_parameters: Mapping[str, object] = {
         "labels": labels,
         "baseline": baseline,
@@ -77,13 +77,8 @@ def address_parts(
     try:
         RunSubmit.model_validate({"campaign": {}, **parts})
     except ValidationError as error:
-        raise _refused([problem_of(e, e["loc"]) for e in error.errors(include_url=False)]) from None
+        raise mismatch([problem_of(e, e["loc"]) for e in error.errors(include_url=False)]) from None
     return AddressParts(parts)
-
-
-def _refused(problems: list[Problem]) -> RefusedError:
-    detail = "the request does not match the API description: " + "; ".join(map(str, problems))
-    return RefusedError("invalid-request", detail, problems)
 
 
 FromAddress = Annotated[AddressParts, Depends(address_parts)]

@@ -25,20 +25,15 @@ def csv_of(sweep: SweepDetail) -> bytes:
 def _row(point: SweepPoint) -> list[object]:
     found = point.outcome
     if found is None:
-        return [repr(point.value), point.run, PURGED]
-    numbers = (found.threshold, found.worst_cost, found.margin, found.upper_bound)
-    counts = (found.violations, found.failed_samples, found.samples)
+        return [point.value, point.run, PURGED]
     return [
-        repr(point.value), point.run, found.state, _word(found), *map(_number, numbers), *counts,
-        _number(found.confidence), found.seed, found.code, found.error, found.bound_source,
-        "yes" if found.removed else "no", found.unconfirmed, found.excluded_samples, _number(found.excluded_fraction),
+        point.value, point.run, found.state, _word(found), found.threshold, found.worst_cost, found.margin,
+        found.upper_bound, found.violations, found.failed_samples, found.samples, found.confidence, found.seed,
+        found.code, found.error, found.bound_source,
+        "yes" if found.removed else "no", found.unconfirmed, found.excluded_samples, found.excluded_fraction,
         found.against,
     ]  # fmt: skip
 
 
 def _word(found: Outcome) -> str | None:
     return None if found.verdict is None else headline(found.verdict, found, found.policy, found.against)
-
-
-def _number(value: float | None) -> str | None:
-    return None if value is None else repr(value)

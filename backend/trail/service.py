@@ -10,7 +10,7 @@ import sqlalchemy as sa
 from backend.db import audit
 from backend.db.access import Visitor
 from backend.db.tables import Audit, Token
-from backend.http.errors import RefusedError
+from backend.http.errors import foreign_cursor
 from backend.trail.schemas import AuditEntry, AuditPage
 
 MOST_ACTORS = 500
@@ -59,5 +59,5 @@ def _entry(row: audit.Row) -> AuditEntry:
 
 def _number(cursor: str) -> int:
     if not cursor.isascii() or not cursor.isdigit() or len(cursor) > 18:
-        raise RefusedError("bad-cursor", f"the cursor {cursor[:40]!r} is not one of this list: begin without one")
+        raise foreign_cursor(cursor)
     return int(cursor)

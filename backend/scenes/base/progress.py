@@ -18,7 +18,7 @@ from campaigns.runs import ENDED
 class Progress:
     def __init__(self, setting: Setting, run_id: int, shown: str = WORST) -> None:
         """`shown` is the flight shown with the nominal one."""
-        self._setting, self._run_id, self.shown = setting, run_id, shown
+        self._run_id, self.shown = run_id, shown
         self.flights: dict[str, Flight] = {}
         self.findings: dict[str, dict[str, float]] = {}
         """{label: {path: value}}"""

@@ -63,13 +63,10 @@ class Vectors(Part):
     @property
     def ahead(self) -> float | None:
         """Time over which an arrow shows the distance travelled [s]; None without a flight."""
-        flights = [drawn.flight for drawn in self._flights.every if drawn.flight is not None]
-        typical = max((flight.typical_speed for flight in flights), default=0.0)
-        return shapes.even_step(LENGTH * self._world.frame.unit, typical) if typical > 0 else None
+        return shapes.even_step(LENGTH * self._world.frame.unit, fastest) if (fastest := self._fastest) > 0 else None
 
-    def show(self, *, velocity: bool | None = None, relative: bool | None = None) -> None:
-        self.velocity = self.velocity if velocity is None else velocity
-        self.relative = self.relative if relative is None else relative
+    def show(self, velocity: bool, relative: bool) -> None:
+        self.velocity, self.relative = velocity, relative
         self.moved(self._time)
 
     def moved(self, time: float) -> None:
@@ -98,9 +95,14 @@ class Vectors(Part):
     @property
     def decimals(self) -> int:
         """Decimals of a speed, so that a typical one has three significant digits."""
-        flights = [drawn.flight for drawn in self._flights.every if drawn.flight is not None]
-        fastest = max((flight.typical_speed for flight in flights), default=0.0)
+        fastest = self._fastest
         return 1 if fastest >= 10 else 2 if fastest >= 1 else 3
+
+    @property
+    def _fastest(self) -> float:
+        """The highest typical speed of the flights [m/s]; 0 without one."""
+        flights = [drawn.flight for drawn in self._flights.every if drawn.flight is not None]
+        return max((flight.typical_speed for flight in flights), default=0.0)
 
     @property
     def _lift(self) -> Floats:

@@ -192,7 +192,7 @@ def colours(fractions: ArrayLike, dark: bool) -> NDArray[np.uint8]:
     return np.stack([np.interp(at, known, VIRIDIS[:, k]) for k in range(3)], axis=-1).round().astype(np.uint8)
 
 
-def gradient(dark: bool, steps: int = 8) -> str:
+def gradient(dark: bool) -> str:
     """The scale as a CSS background from left (lowest) to right; the highest values stand out."""
-    found = colours(1.0 - np.linspace(0.0, 1.0, steps + 1), dark)
+    found = colours(1.0 - np.linspace(0.0, 1.0, 9), dark)
     return f"linear-gradient(90deg,{','.join(f'rgb({r},{g},{b})' for r, g, b in found.tolist())})"

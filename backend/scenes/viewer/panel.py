@@ -45,24 +45,22 @@ class Panel:
         with tabs.add_tab("Values"):
             values = ValuesTab(gui, setting, flights, vectors)
             self._sampled = Sampled(server, engine, live, setting, palette, driver)
-            if setting.clears:
-                self._field = FieldSlice(server, setting, world, palette, flights, live, driver)
+            scene = (server, setting, world, palette, flights, live, driver)
+            self._field = FieldSlice(*scene) if setting.clears else None
+            """Only scenarios have an avoider, whose field is a layer."""
         with tabs.add_tab("Search"):
             convergence = ConvergenceTab(gui, setting, palette, progress.curves)
-        self._simulates = setting.clears
-        """Only scenarios have an avoider, whose field is a layer."""
-        further = [self._sampled, self._field] if setting.clears else [self._sampled]
-        self.parts: list[Part] = [values, *further, convergence]
+        self.parts: list[Part] = [values, self._sampled, *([self._field] if self._field else []), convergence]
 
     def have(self, layers: LayersChange) -> None:
         """Change the layers; raises `RefusedError` if they are not available."""
-        if not self._simulates and layers.field:
+        if self._field is None and layers.field:
             text = "this run evaluates a simulator, whose avoider is not known: the layer field is not available"
             raise RefusedError("unknown-parameter", text)
         self._sampled.have(layers.sampled)
-        if self._simulates:
+        if self._field is not None:
             self._field.have(layers.field)
 
     @property
     def layers(self) -> dict[str, Any]:
-        return {"sampled": self._sampled.on, "field": self._simulates and self._field.on}
+        return {"sampled": self._sampled.on, "field": self._field is not None and self._field.on}

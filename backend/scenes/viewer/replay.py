@@ -53,7 +53,7 @@ class Replay:
         velocity = self._vectors.velocity if layers.velocity is None else layers.velocity
         relative = self._vectors.relative if layers.relative is None else layers.relative
         if (velocity, relative) != (self._vectors.velocity, self._vectors.relative):
-            self._vectors.show(velocity=velocity, relative=relative)
+            self._vectors.show(velocity, relative)
         if layers.trail is not None and layers.trail != self.trail:
             self.trail = layers.trail
             self._flights.trail(self.trail == "so_far")

@@ -17,8 +17,7 @@ from pydantic import BaseModel, ConfigDict, Field, SecretStr, ValidationError, m
 from backend import secret_settings
 from backend.db import space
 from backend.db.engine import default_url
-from backend.http.networks import is_loopback
-from backend.provider.configuration import Configured, default_of, roles_of, safe_address
+from backend.provider.configuration import Configured, default_of, is_loopback, roles_of, safe_address
 from backend.webhooks import configuration as hooked
 
 PREFIX = "CLEARANCE_"

@@ -1,4 +1,4 @@
-"""Addresses of clients, as far as limits tell them apart; which hosts are this machine."""
+"""Addresses of clients, as far as limits tell them apart."""
 
 from __future__ import annotations
 
@@ -16,12 +16,3 @@ def network(address: str) -> str:
     if parsed.version == 6 and parsed.ipv4_mapped is not None:
         return str(parsed.ipv4_mapped)
     return str(ipaddress.ip_network(f"{parsed}/64", strict=False)) if parsed.version == 6 else str(parsed)
-
-
-def is_loopback(host: str) -> bool:
-    if host == "localhost":
-        return True
-    try:
-        return ipaddress.ip_address(host).is_loopback
-    except ValueError:
-        return False

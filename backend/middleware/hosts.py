@@ -6,6 +6,7 @@ Sources: RFC 9110, 7.2 and 15.5.20 (421).
 
 from __future__ import annotations
 
+import ipaddress
 import re
 import urllib.parse
 
@@ -13,7 +14,6 @@ from starlette.datastructures import Headers
 from starlette.types import Scope
 
 from backend.http.errors import RefusedError
-from backend.http.networks import is_loopback
 
 HEALTH = frozenset(f"{place}/health{rest}" for place in ("/api/v1", "") for rest in ("", "/live", "/ready"))
 """Open to every name: health checks call a machine by its address, where such checks look first and in the API."""
@@ -37,7 +37,7 @@ class Hosts:
         if not _HOST.fullmatch(host):
             return self.every and not host  # HTTP/1.0
         name = _name(host)
-        return self.every or bool({name, host.lower()} & self.names) or name == self._bound or is_loopback(name)
+        return self.every or bool({name, host.lower()} & self.names) or name == self._bound or _is_this_machine(name)
 
     def refusal(self, scope: Scope) -> RefusedError | None:
         """421 for a request or socket under another name."""
@@ -55,3 +55,12 @@ def _name(host: str) -> str:
     if host.startswith("["):
         return host[1:].partition("]")[0].lower()
     return host.partition(":")[0].rstrip(".").lower()
+
+
+def _is_this_machine(name: str) -> bool:
+    if name == "localhost":
+        return True
+    try:
+        return ipaddress.ip_address(name).is_loopback
+    except ValueError:
+        return False

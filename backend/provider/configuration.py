@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
+import ipaddress
 import json
 import urllib.parse
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
 from backend.db.roles import ROLES, Role
-from backend.http.networks import is_loopback
 
 PENDING_LIFETIME = 600.0
 """How long a user may take at the provider [s]."""
@@ -69,6 +69,15 @@ def safe_address(address: str) -> bool:
     if parsed.username or parsed.fragment or not host:
         return False
     return parsed.scheme == "https" or (parsed.scheme == "http" and is_loopback(host))
+
+
+def is_loopback(host: str) -> bool:
+    if host == "localhost":
+        return True
+    try:
+        return ipaddress.ip_address(host).is_loopback
+    except ValueError:
+        return False
 
 
 @dataclass(frozen=True)

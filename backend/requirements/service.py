@@ -147,7 +147,7 @@ def write(engine: sa.Engine, new: RequirementGiven, visitor: Visitor, match: str
 
 
 def _written(writer: sa.Connection, new: RequirementGiven, visitor: Visitor, match: str | None) -> RequirementRow:
-    at, old = now(writer), _held(writer, new.id)
+    at, old = now(writer), _under_lock(writer, new.id)
     require_match(match, tag(new.id, None if old is None else old.text), new.id, there=old is not None)
     if old is None:
         if (writer.scalar(sa.select(sa.func.count()).select_from(Requirement)) or 0) >= MOST:
@@ -167,7 +167,7 @@ def _written(writer: sa.Connection, new: RequirementGiven, visitor: Visitor, mat
 def delete(engine: sa.Engine, key: str, visitor: Visitor, match: str | None = None) -> None:
     """Delete a requirement that was written here or imported as CSV; one that runs state stays a row. 404, 409, 412."""
     with engine.begin() as writer:
-        old = existing(_held(writer, key), "registered requirement", key)
+        old = existing(_under_lock(writer, key), "registered requirement", key)
         require_match(match, tag(key, old.text), key)
         if old.kind == "reqif":
             raise _conflict(f"{key} is from {old.file}: delete it there and import the file again, or delete the file")
@@ -175,7 +175,7 @@ def delete(engine: sa.Engine, key: str, visitor: Visitor, match: str | None = No
         audit.note(writer, visitor, "requirement.deleted", key[:80], {"id": key, **stated_text(old.text)})
 
 
-def _held(writer: sa.Connection, key: str) -> Any:
+def _under_lock(writer: sa.Connection, key: str) -> Any:
     """A registered requirement, for which other writers wait until this transaction ends; None if there is none."""
     writer.execute(sa.select(Requirement.id).where(Requirement.id == key).with_for_update())
     of = sa.select(Requirement.text, RequirementFile.kind, RequirementFile.name.label("file"))

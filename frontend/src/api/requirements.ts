@@ -1,6 +1,6 @@
-// The requests of the page of requirements.
+// What the page of requirements reads, and its files.
 import { queryOptions } from '@tanstack/react-query'
-import type { Imported, RequirementFileOut } from '../client'
+import type { RequirementFileOut } from '../client'
 import * as sdk from '../client'
 import { at } from '../format/root'
 import { paged } from './queries'
@@ -26,22 +26,5 @@ export const importsQuery = queryOptions({
   staleTime: 0,
 })
 
-export interface RequirementImport {
-  file: File
-  idAttribute: string
-  textAttribute: string
-}
-
-/** Sends a file as it is. */
-export const importFile = ({ file, idAttribute, textAttribute }: RequirementImport): Promise<Imported> =>
-  sdk.importRequirements({ body: file, query: { name: file.name, kind: kindOf(file.name), id_attribute: idAttribute, text_attribute: textAttribute } })
-
 /** What a file is, by its name. */
 export const kindOf = (name: string): 'csv' | 'reqif' => (/\.(reqifz?|xml)$/i.test(name) ? 'reqif' : 'csv')
-
-const matching = (etag: string | undefined) => (etag === undefined ? {} : { headers: { 'If-Match': etag } })
-/** etag: of the text that was read; another one is not overwritten. */
-export const writeRequirement = (id: string, text: string, etag?: string) =>
-  sdk.writeRequirement({ body: { id, text }, ...matching(etag) })
-export const deleteRequirement = (requirement: string, etag?: string) =>
-  sdk.deleteRequirement({ query: { requirement }, ...matching(etag) })

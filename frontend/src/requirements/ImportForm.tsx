@@ -2,8 +2,8 @@
 import { clsx } from 'clsx'
 import { useState } from 'react'
 import { useChange } from '../api/change'
-import { importFile } from '../api/requirements'
-import type { Imported } from '../client'
+import { kindOf } from '../api/requirements'
+import { type Imported, importRequirements } from '../client'
 import { count } from '../format/numbers'
 import { Button } from '../ui/Button'
 import { Field, Form } from '../ui/Form'
@@ -14,12 +14,15 @@ export function ImportForm({ onDone }: { onDone: () => void }) {
   const [file, setFile] = useState<File | null>(null)
   const [idAttribute, setId] = useState('')
   const [textAttribute, setText] = useState('')
-  const send = useChange(importFile, ['requirements', 'requirement-files'])
+  const send = useChange(
+    (body: File) => importRequirements({ body, query: { name: body.name, kind: kindOf(body.name), id_attribute: idAttribute, text_attribute: textAttribute } }),
+    ['requirements', 'requirement-files'],
+  )
   if (send.data) return <Done imported={send.data} onDone={onDone} />
   return (
     <Form
       sent={send}
-      onSend={() => file && send.mutate({ file, idAttribute, textAttribute })}
+      onSend={() => file && send.mutate(file)}
       send={send.isPending ? 'Importing …' : 'Import'}
       onLeave={onDone}
       off={!file}

@@ -1,8 +1,7 @@
 // Adding a requirement, changing its text, deleting it.
 import { useState } from 'react'
 import { useChange } from '../api/change'
-import { deleteRequirement, writeRequirement } from '../api/requirements'
-import type { RequirementRow } from '../client'
+import { deleteRequirement, type RequirementRow, writeRequirement } from '../client'
 import { Button } from '../ui/Button'
 import { Field, Form } from '../ui/Form'
 
@@ -16,9 +15,9 @@ export function WriteForm({ row, onDone }: WriteFormProps) {
   const [id, setId] = useState(row?.id ?? '')
   const [text, setText] = useState(row?.text ?? '')
   // As it was read: what another user changes meanwhile is not overwritten, even after the list was read again.
-  const [etag] = useState(row?.etag)
-  const write = useChange(() => writeRequirement(id.trim(), text.trim(), etag), ['requirements'], onDone)
-  const remove = useChange(() => deleteRequirement(id, etag), ['requirements'], onDone)
+  const [headers] = useState(row?.etag === undefined ? {} : { 'If-Match': row.etag })
+  const write = useChange(() => writeRequirement({ body: { id: id.trim(), text: text.trim() }, headers }), ['requirements'], onDone)
+  const remove = useChange(() => deleteRequirement({ query: { requirement: id }, headers }), ['requirements'], onDone)
   const [leaving, setLeaving] = useState(false)
   return (
     <Form

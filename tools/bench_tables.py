@@ -39,7 +39,7 @@ def rare() -> tuple[Row, Iterable[Row]]:
     rows = [(*first, "", noticed, _part(judging["false_alarms"]))]
     for cube, distributions in {"truncated": "truncated normal", "uniform": "uniform"}.items():
         one, begun = whole[cube], f"a search by `auto`, {distributions} distributions (`--whole`)"
-        known = _part(one["large_given"], 0), _part(one["large_noticed"])
+        known = _part(one["large_given"]), _part(one["large_noticed"])
         rows.append((begun, str(whole["seeds"]), _part(one["holds_or_alarm"]), *known, ""))
     header = ("begun with", "seeds", "P in the interval, or an alarm", "modes that the search has")
     return [*header, "modes found, or an alarm", "false alarms"], rows
